@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tangi {
@@ -11,6 +12,9 @@ namespace tangi {
 // Names in whatever case, and whether a letter with a mark is one code point (as most programs write it) or
 // two (as macOS does), are the same; what is no UTF-8, where its bytes are.
 std::string alike(const std::string& text);
+
+// Names as people count: photo_2 before photo_10.
+bool before_as_counted(std::string_view a, std::string_view b);
 
 // Windows programs write their folders with backslashes.
 std::filesystem::path portable(std::string name);

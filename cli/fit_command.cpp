@@ -78,11 +78,15 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
             "the "
             "order the same? Name the photographs in the lights file as they are called",
             report.odd_lights.scatter_deg));
+    if (!report.turned_doubt.empty()) reasons.push_back(report.turned_doubt);
     if (!report.transfer.doubt.empty()) reasons.push_back(report.transfer.doubt);
     // A list that is in another order looks turned as well: one advice, the one that explains.
     std::string doubt = doubt_of(report.list_order, report.signs, flips, report.photo_names);
     const bool out_of_order = !doubt.empty();
-    if (!out_of_order) doubt = doubt_of(report.signs, report.shadow_signs, flips);
+    if (!out_of_order) {
+        doubt = doubt_of(report.signs, report.shadow_signs, flips);
+        if (!doubt.empty()) doubt += or_order(report.list_order, report.signs, report.photo_names);
+    }
     if (!doubt.empty()) reasons.push_back(std::move(doubt));
     if (flips.any() && !out_of_order && report.median_rms_residual > kDoubtfulOrder)
         reasons.push_back(fmt::format(

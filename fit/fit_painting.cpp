@@ -248,6 +248,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
     report_.transfer = seen.transfer;
     report_.registration = std::move(seen.registration);
     report_.left_out = std::move(seen.left_out);
+    report_.turned_doubt = std::move(seen.turned_doubt);
     if (stack.transfer_of_chart && report_.transfer.source == "given")
         report_.transfer.source = "colour chart";
     // A chart in the photographs knows better.

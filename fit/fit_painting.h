@@ -88,6 +88,7 @@ struct FitOptions {
 
 struct FitReport {
     std::vector<LeftOut> left_out;  // photographs of the stack that are not used (look_over.h)
+    std::string turned_doubt;       // many photographs are turned against the others (turned_photos.h)
     Registration registration;      // how far the camera moved; empty where not asked for
     TransferEstimate transfer;      // how the photographs were linearised, and how that is known
     LightCalibration lights;        // what strengths and distances were found, and whether that helped

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <random>
 
 #include "capture/matt_sample.h"
 #include "fit/log_ratio.h"
@@ -16,74 +17,23 @@ namespace tangi {
 
 namespace {
 
-using Order = std::vector<std::size_t>;
-
 constexpr std::size_t kFewestListed = 8;
-constexpr int kFarthestShift = 3;      // [photographs] that a list is likely to be off by
-constexpr std::size_t kMostFrom = 24;  // photographs that are tried first as those from which a list is off
-constexpr int kOrderRounds = 2;        // of the lamps' strengths, which may differ
+constexpr std::size_t kMostScreened = 16;  // orders that pixels are fitted with, of those that shading allows
+constexpr int kDeals = 99;                 // random orders
+constexpr int kOrderRounds = 2;            // of the lamps' strengths, which may differ
 constexpr int kScreened = 500, kLookedAt = 4000;  // samples to look for orders with, and to judge them by
 constexpr std::size_t kMostJudged = 3;            // orders
 constexpr double kMostDeviation = 8;  // times the median one, beyond which a deviation counts no more
 constexpr int kOrderParts = 8;        // of the picture, along each side
 constexpr double kFewestOfParts = 16;
-// Where slopes say that lights are turned, and another order is such a turn.
-constexpr double kAlikeOrders = 0.7, kSameTurn_deg = 12;
 constexpr double kSureOfTurned = 3;  // [standard errors]
-// Else: metal, which is not matt, fits lights in some wrong order better
-// (synth_canvas/uniform_8: ln -0.57 in reverse): the lights that photographs show must be near those of the
-// order, too, and not near those as listed (of stacks whose lists are right: 0.2 to 3.5 degrees where they
-// tell anything).
-constexpr double kSureOfOrder = 6, kMostOrderScatter_deg = 4, kScatterRatio = 0.5;
+// cos 5 degrees: what the best lists of directions are off by, so that none tells such an order from a turn.
+constexpr double kSameAsTurn = 0.996;
 
-// Positions in a list of n, to those whose light they have.
-struct Slip {
-    int shift = 0;
-    std::size_t from = 0;
-    bool reversed = false;
-
-    std::size_t of(std::size_t i, std::size_t n) const {
-        if (i < from) return i;
-        const auto count = static_cast<int>(n);
-        const int at = (reversed ? count - 1 - static_cast<int>(i) : static_cast<int>(i)) + shift;
-        return static_cast<std::size_t>(((at % count) + count) % count);
-    }
-};
-
-// `sequence`: the photographs in the order that counts.
-Order order_of(const Slip& slip, const Order& sequence) {
-    Order order(sequence.size());
-    for (std::size_t i = 0; i < sequence.size(); ++i)
-        order[sequence[i]] = sequence[slip.of(i, sequence.size())];
-    return order;
-}
-
-std::vector<Light> in_order(const std::vector<Light>& lights, const Order& order) {
+std::vector<Light> in_order(const std::vector<Light>& lights, const ListOrdering& order) {
     std::vector<Light> result = lights;
     for (std::size_t i = 0; i < lights.size(); ++i) result[i].direction = lights[order[i]].direction;
     return result;
-}
-
-// All slips worth a look, those from photographs inside of the list in steps.
-std::vector<Slip> slips_of(std::size_t photos) {
-    std::vector<Slip> slips;
-    for (int shift = 1; shift <= kFarthestShift; ++shift)
-        for (const int sign : {1, -1}) slips.push_back({sign * shift, 0, false});
-    for (const int shift : {0, 1, -1}) slips.push_back({shift, 0, true});
-    const std::size_t step = std::max<std::size_t>(1, photos / kMostFrom);
-    for (std::size_t from = 2; from + 2 < photos; from += step)
-        for (const int shift : {1, -1}) slips.push_back({shift, from, false});
-    return slips;
-}
-
-// Those between two that were looked at.
-std::vector<Slip> slips_near(const Slip& slip, std::size_t photos) {
-    const std::size_t step = std::max<std::size_t>(1, photos / kMostFrom);
-    std::vector<Slip> slips;
-    if (slip.from == 0) return slips;
-    for (std::size_t from = slip.from > step ? slip.from - step + 1 : 1; from < slip.from + step; ++from)
-        if (from != slip.from && from + 1 < photos) slips.push_back({slip.shift, from, slip.reversed});
-    return slips;
 }
 
 // What an order does to all lights on the whole: the turn, with y mirrored or not, that takes their x and y
@@ -126,10 +76,10 @@ public:
     }
 
     double listed() const { return mean(listed_); }
-    double of(const Order& order) const { return mean(deviations(order)); }
+    double of(const ListOrdering& order) const { return mean(deviations(order)); }
 
     // [deg] Of the lights that photographs show about those in this order.
-    double scatter_deg(const Order& order) const {
+    double scatter_deg(const ListOrdering& order) const {
         std::vector<Light> lights = in_order(lights_, order);
         const MattSample sample = sample_of(lights);
         for (std::size_t i = 0; i < lights.size(); ++i)
@@ -159,7 +109,7 @@ private:
     MattSample sample_of(const std::vector<Light>& lights) const {
         return matt_sample(lights, survey_, transfer_, width_, height_, samples_, kOrderRounds);
     }
-    std::vector<double> deviations(const Order& order) const {
+    std::vector<double> deviations(const ListOrdering& order) const {
         return sample_of(in_order(lights_, order)).mean_deviations(most_);
     }
     static double mean(const std::vector<double>& values) {
@@ -179,54 +129,85 @@ private:
 };
 
 struct Screened {
-    Slip slip;
+    ListSlip slip;
     bool by_lines;
-    double deviation;
+    ListOrdering light_of;
+    double explained;
+    double deviation = 0;
 };
 
-void screen(const OrderTrial& trial, const std::vector<Slip>& slips, const Order& sequence, bool by_lines,
-            std::vector<Screened>& found) {
-    std::vector<double> deviation(slips.size());
-    parallel_for(0, static_cast<int>(slips.size()), 1, [&](int begin, int end) {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            deviation[i] = trial.of(order_of(slips[i], sequence));
-    });
-    for (std::size_t i = 0; i < slips.size(); ++i)
-        if (deviation[i] < trial.listed()) found.push_back({slips[i], by_lines, deviation[i]});
-}
-
-bool is_nearer(const Screened& a, const Screened& b) { return a.deviation < b.deviation; }
-
-// [deg] Between two turns, half a turn being none, as slopes tell no more; 180 between unlike kinds.
-double between_deg(const LightTurn& a, const LightTurn& b) {
-    if (a.mirrored != b.mirrored) return 180;
-    const double off = std::fmod(std::abs(a.turn_deg - b.turn_deg), 180);
-    return std::min(off, 180 - off);
-}
-
-// Whether another order is what is wrong, `turn` being what slopes, and the user, ask of the lights as
-// listed.
-bool explains(const ListOrder::Other& other, double listed_scatter_deg, const LightTurn& turn) {
-    // Lights that are all turned scatter as little as right ones, so these are in another order.
-    if (other.certainty > kSureOfOrder && other.scatter_deg < kMostOrderScatter_deg &&
-        other.scatter_deg < kScatterRatio * listed_scatter_deg)
-        return true;
-    return turn != LightTurn{} && other.certainty > kSureOfTurned && other.alike > kAlikeOrders &&
-           other.scatter_deg < listed_scatter_deg && between_deg(other.turn, turn) < kSameTurn_deg;
-}
-
-// Two photographs, and whose lights they fit.
-std::string examples_of(const ListOrder::Other& other, const std::vector<std::string>& names) {
-    std::string text;
-    int told = 0;
-    // The ends of a list that is shifted are left over.
-    for (std::size_t i = other.from.value_or(0) + 1; i + 2 < names.size() && told < 2; ++i) {
-        const long step = static_cast<long>(other.light_of[i]) - static_cast<long>(i);
-        if (!other.reversed && !other.by_lines && step != other.shift) continue;
-        text += fmt::format("{}{} fits the light of {}", told++ == 0 ? "" : ", ", names[i],
-                            names[other.light_of[i]]);
+// Those that explain more than the list as it is, the best first.
+std::vector<Screened> screen(const ShadingChanges& changes, const std::vector<Light>& lights,
+                             const ListOrdering& by_name, const ListOrdering& by_line, double as_listed) {
+    std::vector<Screened> found;
+    for (const ListSlip& slip : list_slips(lights.size())) {
+        found.push_back({slip, false, ordering_of(slip, by_name, lights), 0});
+        if (by_line != by_name) found.push_back({slip, true, ordering_of(slip, by_line, lights), 0});
     }
-    return text;
+    parallel_for(0, static_cast<int>(found.size()), 1, [&](int begin, int end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+            found[i].explained = changes.explained(lights, found[i].light_of);
+    });
+    std::erase_if(found, [&](const Screened& s) { return s.explained <= as_listed; });
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Screened& a, const Screened& b) { return a.explained > b.explained; });
+    // Two slips may be one order.
+    std::vector<Screened> different;
+    for (Screened& s : found)
+        if (different.size() < kMostScreened &&
+            std::none_of(different.begin(), different.end(),
+                         [&](const Screened& d) { return d.light_of == s.light_of; }))
+            different.push_back(std::move(s));
+    return different;
+}
+
+// How much more has to go wrong for an order: of those that shading cannot tell apart, the least is told.
+int complexity(const ListOrder::Other& other) {
+    return (other.slip.reversed && other.slip.shift != 0 ? 2 : 0) + (other.slip.from > 0 ? 1 : 0) +
+           (other.slip.shift != 0 && !other.slip.reversed ? 1 : 0) + (other.slip.row > 0 ? 1 : 0);
+}
+
+// The simplest first.
+std::vector<ListOrder::Other> orders_like_turns(const std::vector<Light>& lights,
+                                                const ListOrdering& by_name) {
+    std::vector<ListOrder::Other> found;
+    for (const ListSlip& slip : list_slips(lights.size())) {
+        ListOrder::Other other{.light_of = ordering_of(slip, by_name, lights), .slip = slip, .turn = {}};
+        if (other.light_of == by_name) continue;
+        find_turn(lights, other);
+        if (other.alike > kSameAsTurn) found.push_back(std::move(other));
+    }
+    std::stable_sort(found.begin(), found.end(), [](const ListOrder::Other& a, const ListOrder::Other& b) {
+        return complexity(a) < complexity(b);
+    });
+    return found;
+}
+
+// [0..1] What random orders of the list explain, on average.
+double explained_by_chance(const ShadingChanges& changes, const std::vector<Light>& lights,
+                           ListOrdering order) {
+    std::mt19937 random(1);
+    double sum = 0;
+    for (int deal = 0; deal < kDeals; ++deal) {
+        for (std::size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[random() % (i + 1)]);
+        sum += changes.explained(lights, order);
+    }
+    return sum / kDeals;
+}
+
+// The best first; of those whose deviations are the same within the error of the best, the simplest.
+void sort_by_fit(std::vector<ListOrder::Other>& better) {
+    if (better.empty()) return;
+    const auto by_ratio = [](const ListOrder::Other& a, const ListOrder::Other& b) {
+        return a.log_ratio < b.log_ratio;
+    };
+    std::stable_sort(better.begin(), better.end(), by_ratio);
+    const double limit = better[0].log_ratio + std::abs(better[0].log_ratio) / better[0].certainty;
+    const auto tied = std::find_if(better.begin(), better.end(),
+                                   [&](const ListOrder::Other& o) { return o.log_ratio > limit; });
+    std::stable_sort(better.begin(), tied, [](const ListOrder::Other& a, const ListOrder::Other& b) {
+        return complexity(a) < complexity(b);
+    });
 }
 
 }  // namespace
@@ -235,89 +216,41 @@ ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const
                            const std::vector<int>& lines, int width, int height) {
     ListOrder result;
     if (lights.size() < kFewestListed) return result;
-    Order by_name(lights.size());
+    ListOrdering by_name(lights.size());
     std::iota(by_name.begin(), by_name.end(), std::size_t{0});
-    Order by_line = by_name;
+    ListOrdering by_line = by_name;
     std::stable_sort(by_line.begin(), by_line.end(),
                      [&](std::size_t a, std::size_t b) { return lines[a] < lines[b]; });
-    const OrderTrial few(survey, transfer, lights, width, height, kScreened);
-    std::vector<Screened> found;
-    const std::vector<Slip> slips = slips_of(lights.size());
-    screen(few, slips, by_name, false, found);
-    if (by_line != by_name) screen(few, slips, by_line, true, found);
+    const ShadingChanges changes(survey, transfer);
+    result.explained = changes.explained(lights, by_name);
+    result.explainable = changes.by_any_three();
+    result.by_chance = explained_by_chance(changes, lights, by_name);
+    result.as_turns = orders_like_turns(lights, by_name);
+    std::vector<Screened> found = screen(changes, lights, by_name, by_line, result.explained);
     if (found.empty()) return result;
-    const Screened best = *std::min_element(found.begin(), found.end(), is_nearer);
-    screen(few, slips_near(best.slip, lights.size()), best.by_lines ? by_line : by_name, best.by_lines,
-           found);
-    std::stable_sort(found.begin(), found.end(), is_nearer);
+    const OrderTrial few(survey, transfer, lights, width, height, kScreened);
+    parallel_for(0, static_cast<int>(found.size()), 1, [&](int begin, int end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+            found[i].deviation = few.of(found[i].light_of);
+    });
+    std::erase_if(found, [&](const Screened& s) { return s.deviation >= few.listed(); });
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Screened& a, const Screened& b) { return a.deviation < b.deviation; });
     found.resize(std::min(found.size(), kMostJudged));
     const OrderTrial many(survey, transfer, lights, width, height, kLookedAt);
     for (const Screened& s : found) {
-        const Order& sequence = s.by_lines ? by_line : by_name;
-        ListOrder::Other other{.light_of = order_of(s.slip, sequence),
-                               .shift = s.slip.shift,
-                               .reversed = s.slip.reversed,
-                               .by_lines = s.by_lines,
-                               .turn = {}};
-        if (s.slip.from > 0) other.from = sequence[s.slip.from];
+        ListOrder::Other other{.light_of = s.light_of, .slip = s.slip, .by_lines = s.by_lines, .turn = {}};
+        if (s.slip.from > 0) other.from = (s.by_lines ? by_line : by_name)[s.slip.from];
         find_turn(lights, other);
         many.judge(other);
         if (!(other.log_ratio < 0 && other.certainty > kSureOfTurned)) continue;
         other.scatter_deg = many.scatter_deg(other.light_of);
+        other.explained = s.explained;
         result.better.push_back(std::move(other));
     }
     if (!result.better.empty()) result.scatter_deg = many.scatter_deg(by_name);
-    std::stable_sort(
-        result.better.begin(), result.better.end(),
-        [](const ListOrder::Other& a, const ListOrder::Other& b) { return a.log_ratio < b.log_ratio; });
+    sort_by_fit(result.better);
     return result;
-}
-
-std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
-                     const std::vector<std::string>& names) {
-    // Both axes are half a turn.
-    const LightTurn asked =
-        LightTurn{false, taken.turn_deg}.after({taken.x != taken.y, taken.x ? 180.0 : 0.0});
-    const LightTurn turn = asked.after(signs.remedy());
-    const auto found =
-        std::find_if(order.better.begin(), order.better.end(),
-                     [&](const ListOrder::Other& other) { return explains(other, order.scatter_deg, turn); });
-    if (found == order.better.end()) return {};
-    const std::string photographs = std::abs(found->shift) == 1 ? "photograph" : "photographs";
-    const std::string what =
-        (found->reversed ? "runs the other way"
-                         : fmt::format("is off by {} {}", std::abs(found->shift), photographs)) +
-        (found->from ? fmt::format(" from {} on", names[*found->from]) : "");
-    const std::string remedy =
-        found->reversed ? "turn its directions round against its names"
-        : found->from ? "a line is missing or too many there; move the directions after it against the names"
-                      : "move its directions against its names by as many lines";
-    std::string text = fmt::format(
-        "the list of lights {}: {} (matt reflection fits {:.0f} % better so, {:.0f} standard errors): {}",
-        what, examples_of(*found, names), 100 * (std::exp(-found->log_ratio) - 1), found->certainty, remedy);
-    std::string flags;
-    for (const auto& [given, flag] :
-         {std::pair(taken.x, "--lights-flip-x"), std::pair(taken.y, "--lights-flip-y"),
-          std::pair(taken.turn_deg != 0, "--lights-turn")})
-        if (given) flags += fmt::format(" {}", flag);
-    if (!flags.empty()) return text + "; leave out" + flags;
-    return turn == LightTurn{} ? text : text + "; all lights turned would be wrong for some photographs";
-}
-
-nlohmann::json to_json(const ListOrder& order) {
-    nlohmann::json better = nlohmann::json::array();
-    for (const ListOrder::Other& other : order.better)
-        better.push_back({{"shift", other.shift},
-                          {"from", other.from ? nlohmann::json(*other.from) : nlohmann::json(nullptr)},
-                          {"reversed", other.reversed},
-                          {"by_lines", other.by_lines},
-                          {"mirrored_y", other.turn.mirrored},
-                          {"turn_deg", other.turn.turn_deg},
-                          {"alike", other.alike},
-                          {"log_ratio", other.log_ratio},
-                          {"certainty", other.certainty},
-                          {"scatter_deg", other.scatter_deg}});
-    return {{"scatter_deg", order.scatter_deg}, {"better", std::move(better)}};
 }
 
 }  // namespace tangi

@@ -5,6 +5,7 @@
 #include "capture/compression.h"
 #include "capture/stray_photos.h"
 #include "capture/transfer_metadata.h"
+#include "fit/turned_photos.h"
 
 namespace tangi {
 
@@ -53,6 +54,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
         result.survey = survey(stack, {}, progress);
         tell_pixels_without_number(stack, result.survey);
         leave_out_strays(stack, result.survey, result.left_out);
+        result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
         result.transfer = decide_transfer(stack, result.survey);
         return result;
     }
@@ -61,6 +63,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
     tell_pixels_without_number(stack, result.survey);
     leave_out_strays(stack, result.survey, result.left_out);
+    result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
     collected.keep(still_in(stack, all));
     result.transfer = decide_transfer(stack, result.survey);
     const std::vector<std::string> before = names_of(stack);

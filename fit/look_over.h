@@ -13,7 +13,8 @@ struct LookOver {
     Survey survey;
     TransferEstimate transfer;
     Registration registration;      // empty where not asked for
-    std::vector<LeftOut> left_out;  // damaged, black, copies of others, not to be registered
+    std::vector<LeftOut> left_out;  // damaged, black, copies of others, turned, not to be registered
+    std::string turned_doubt{};     // turned_photos.h; empty where there is none
 };
 
 // Surveys the stack and takes photographs out of it that cannot be used, each with a warning that names it;

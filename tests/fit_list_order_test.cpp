@@ -51,7 +51,7 @@ TEST(ListOrder, ShiftedByOneIsNoTurn) {
         list_otherwise(bumps, [&](int i) { return i + shift; });
         const ListOrder order = order_of(bumps);
         ASSERT_FALSE(order.better.empty()) << shift;
-        EXPECT_EQ(order.better[0].shift, -shift);
+        EXPECT_EQ(order.better[0].slip.shift, -shift);
         EXPECT_FALSE(order.better[0].from);
         const std::string doubt = doubt_of(order, turned_by(order.better[0].turn), {}, names_of(bumps));
         EXPECT_THAT(
@@ -85,7 +85,7 @@ TEST(ListOrder, AnEntryThatIsMissingIsToldWithItsPlace) {
     const ListOrder order = order_of(bumps);
     ASSERT_FALSE(order.better.empty());
     EXPECT_EQ(order.better[0].from, 6u);  // of photo_05.png no light is listed
-    EXPECT_EQ(order.better[0].shift, -1);
+    EXPECT_EQ(order.better[0].slip.shift, -1);
     EXPECT_THAT(
         doubt_of(order, {}, {}, names_of(bumps)),
         AllOf(HasSubstr("is off by 1 photograph from photo_06.png on"),
@@ -112,7 +112,68 @@ TEST(ListOrder, SlipsByItsLines) {
     const ListOrder order = order_of(bumps, lines);
     ASSERT_FALSE(order.better.empty());
     EXPECT_TRUE(order.better[0].by_lines);
-    EXPECT_EQ(order.better[0].shift, -1);
+    EXPECT_EQ(order.better[0].slip.shift, -1);
+}
+
+TEST(ListOrder, AnyShiftIsFound) {
+    for (const int shift : {4, 5, 8, -7}) {
+        Bumps bumps(0.25);
+        list_otherwise(bumps, [&](int i) { return i + shift; });
+        EXPECT_THAT(doubt_of(order_of(bumps), {}, {}, names_of(bumps)),
+                    HasSubstr(fmt::format("is off by {} photographs", std::abs(shift))))
+            << shift;
+    }
+    Bumps halves = rings();
+    list_otherwise(halves, [](int i) { return i + 8; });
+    EXPECT_THAT(doubt_of(order_of(halves), {}, {}, names_of(halves)), HasSubstr("its halves are exchanged"));
+    Bumps both(0.25);
+    list_otherwise(both, [](int i) { return 15 - i + 6; });
+    EXPECT_THAT(doubt_of(order_of(both), {}, {}, names_of(both)),
+                HasSubstr("runs the other way, and is off by 6"));
+}
+
+TEST(ListOrder, RowsThatRunOtherwiseAreFound) {
+    Bumps snaked(0.25);
+    list_otherwise(snaked, [](int i) { return i / 4 % 2 == 0 ? i : i / 4 * 4 + 3 - i % 4; });
+    EXPECT_THAT(doubt_of(order_of(snaked), {}, {}, names_of(snaked)), HasSubstr("to and fro in rows of 4"));
+    Bumps columns(0.25);
+    list_otherwise(columns, [](int i) { return i % 8 * 2 + i / 8; });
+    EXPECT_THAT(doubt_of(order_of(columns), {}, {}, names_of(columns)), HasSubstr("column by column"));
+}
+
+// photo_10 comes before photo_2 where letters are sorted.
+TEST(ListOrder, NamesSortedByLettersAreFound) {
+    Bumps bumps(0.25);
+    const int by_letters[] = {0, 1, 10, 11, 12, 13, 14, 15, 2, 3, 4, 5, 6, 7, 8, 9};
+    list_otherwise(bumps, [&](int i) { return by_letters[i]; });
+    for (int i = 0; i < 16; ++i)
+        bumps.lights[static_cast<std::size_t>(i)].name = fmt::format("photo_{}.png", i);
+    EXPECT_THAT(doubt_of(order_of(bumps), {}, {}, names_of(bumps)), HasSubstr("10 before 2"));
+}
+
+TEST(ListOrder, ListOfOtherPhotographsFitsInNoOrder) {
+    Bumps bumps(0.25);
+    std::vector<int> dealt = {11, 4, 14, 0, 9, 6, 1, 13, 3, 15, 8, 2, 12, 5, 10, 7};
+    list_otherwise(bumps, [&](int i) { return dealt[static_cast<std::size_t>(i)]; });
+    EXPECT_THAT(doubt_of(order_of(bumps), {}, {}, names_of(bumps)),
+                HasSubstr("do not fit the photographs in the order they are listed"));
+    EXPECT_FALSE(order_of(Bumps(0.25)).fits_no_order());
+}
+
+// In one even ring a shift is a turn, so both are told.
+TEST(ListOrder, ShiftOfAnEvenRingMayBeATurn) {
+    std::vector<Light> ring;
+    for (int i = 0; i < 16; ++i)
+        ring.push_back(distant_light(
+            Vec3(static_cast<float>(std::cos(i * 0.3927)), static_cast<float>(std::sin(i * 0.3927)), 0.8f),
+            fmt::format("photo_{:02}.png", i)));
+    Bumps bumps(0.25, 0, 0.002, 0, ring);
+    list_otherwise(bumps, [](int i) { return i + 3; });
+    const ListOrder order = order_of(bumps);
+    const SignCheck signs = turned_by({false, 112.5});
+    EXPECT_THAT(doubt_of(order, signs, {}, names_of(bumps)), IsEmpty());
+    EXPECT_THAT(or_order(order, signs, names_of(bumps)), HasSubstr("so it is the order or the turn"));
+    EXPECT_THAT(or_order(order_of(rings()), turned_by({false, 20}), names_of(bumps)), IsEmpty());
 }
 
 TEST(ListOrder, ThatIsRightIsLeftAlone) {
