@@ -6,6 +6,7 @@
 
 #include "capture/survey.h"
 #include "surface/error.h"
+#include "surface/visible_files.h"
 
 namespace tangi {
 
@@ -23,11 +24,8 @@ std::vector<fs::path> files_of(const fs::path& path, const std::string& role) {
         fail("{}: no such {}: neither a picture nor a folder of pictures", path.string(), role);
     if (!fs::is_directory(path)) return {path};
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(path))
-        if (entry.is_regular_file() && is_photo_name(entry.path()) &&
-            !entry.path().filename().string().starts_with('.'))
-            files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
+    for (const fs::path& file : visible_files(path))
+        if (is_photo_name(file)) files.push_back(file);
     if (files.empty()) fail("{}: no picture in this folder to be a {}", path.string(), role);
     return files;
 }

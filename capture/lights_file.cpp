@@ -4,10 +4,11 @@
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <optional>
-#include <sstream>
 
+#include "capture/lights_text.h"
 #include "surface/atomic_file.h"
 #include "surface/error.h"
 
@@ -83,6 +84,13 @@ std::optional<double> number(std::string_view word) {
     return value;
 }
 
+// Digits after the point; as many as any with an exponent.
+int decimals_of(std::string_view word) {
+    const std::size_t point = word.find_first_of(".,");
+    if (word.find_first_of("eE") != std::string_view::npos) return std::numeric_limits<float>::digits10;
+    return point == std::string_view::npos ? 0 : static_cast<int>(word.size() - point - 1);
+}
+
 std::optional<long> whole_number(std::string_view word) {
     long value = 0;
     const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -112,7 +120,8 @@ std::string with_newlines(std::string text) {
 }
 
 // `name` is known where the line ends in three words, whatever they are.
-Light parse_line(std::string_view line, const std::string& place, std::string& name, double& length) {
+Light parse_line(std::string_view line, const std::string& place, std::string& name, double& length,
+                 int& decimals) {
     std::string_view rest = line;
     glm::dvec3 vector;
     std::string_view words[3];
@@ -127,6 +136,7 @@ Light parse_line(std::string_view line, const std::string& place, std::string& n
             fail("{}: '{}' is out of range; only the light's direction counts, so give a smaller vector",
                  place, in_message(word));
         vector[i] = *value;
+        decimals = std::max(decimals, decimals_of(word));
     }
     if (rest.empty()) fail("{}: expected 'name x y z', but the photograph's name is missing", place);
     if (!std::isfinite(vector.x) || !std::isfinite(vector.y) || !std::isfinite(vector.z))
@@ -155,7 +165,7 @@ public:
         std::string name;
         try {
             double length = 0;
-            Light light = parse_line(line, place, name, length);
+            Light light = parse_line(line, place, name, length, result_.decimals);
             if (const auto earlier = line_of_.find(light.name); earlier != line_of_.end())
                 return add_again(light, place, earlier->second);
             line_of_.emplace(light.name, number);
@@ -169,6 +179,7 @@ public:
 
     LightsFile take(const std::optional<long>& count) {
         require_few(result_.left_out, lines_, 1, file_name_);
+        decode();
         const std::size_t used = result_.lights.size();
         if (count && *count != static_cast<long>(lines_))
             result_.warnings.push_back(fmt::format(
@@ -183,6 +194,20 @@ public:
     std::size_t lines() const { return lines_; }
 
 private:
+    // What the vectors mean where they are none of directions.
+    void decode() {
+        std::vector<glm::dvec3> vectors;
+        for (std::size_t i = 0; i < result_.lights.size(); ++i)
+            vectors.push_back(glm::dvec3(result_.lights[i].direction) * result_.lengths[i]);
+        std::string told = decode_vectors(vectors, file_name_);
+        if (told.empty()) return;
+        result_.warnings.push_back(std::move(told));
+        for (std::size_t i = 0; i < vectors.size(); ++i) {
+            result_.lights[i] = distant_light(Vec3(vectors[i]), result_.lights[i].name);
+            result_.lengths[i] = 1;
+        }
+    }
+
     void leave_out(const std::string& name, const std::string& reason) {
         result_.left_out.push_back({name, reason});
     }
@@ -224,22 +249,19 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
     if (begins_as_binary(text))
         fail("{}: is no text, and so no lights file (.lp); name the list of photographs and their lights",
              file_name);
-    std::istringstream stream(with_newlines(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text));
     LineReader reader(file_name);
-    int number_of_line = 0;
     bool first = true;
-    for (std::string raw; std::getline(stream, raw);) {
-        ++number_of_line;
-        const std::string_view line = trimmed(raw);
-        if (line.empty()) continue;
+    for (const LightsLine& line :
+         lines_of_lights(with_newlines(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text), file_name,
+                         reader.warnings())) {
         if (first) {
             first = false;
-            count = whole_number(line);
+            count = whole_number(line.text);
             if (count) continue;
             reader.warnings().push_back(
                 fmt::format("{}: the first line is not a count of lights", file_name));
         }
-        reader.add(line, number_of_line);
+        reader.add(line.text, line.number);
     }
     if (reader.lines() == 0)
         fail("{}: holds no lights; expected a count, then a line 'name x y z' for each photograph",

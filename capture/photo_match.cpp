@@ -12,6 +12,7 @@
 #include "surface/file_name.h"
 #include "surface/painting_file.h"
 #include "surface/picture_file.h"
+#include "surface/visible_files.h"
 
 namespace tangi {
 
@@ -271,11 +272,8 @@ void require_folder(const fs::path& folder) {
 
 std::vector<fs::path> photos_in(const fs::path& folder) {
     std::vector<fs::path> photos;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.is_regular_file() && is_photo_name(entry.path()) &&
-            !entry.path().filename().string().starts_with('.'))
-            photos.push_back(entry.path());
-    std::sort(photos.begin(), photos.end());
+    for (const fs::path& path : visible_files(folder))
+        if (is_photo_name(path)) photos.push_back(path);
     return photos;
 }
 

@@ -56,12 +56,24 @@ NamedPhoto choose(std::vector<fs::path> files) {
 
 }  // namespace
 
+std::string utf8_of_latin1(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x80)
+            result += c;
+        else
+            result += static_cast<char>(0xC0 | byte >> 6), result += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+    return result;
+}
+
 std::string alike(const std::string& text) {
     utf8proc_uint8_t* mapped = nullptr;
     const utf8proc_ssize_t size = utf8proc_map(
         reinterpret_cast<const utf8proc_uint8_t*>(text.data()), static_cast<utf8proc_ssize_t>(text.size()),
         &mapped, static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD));
-    if (size < 0) return lower_case(text);
+    if (size < 0) return alike(utf8_of_latin1(text));
     std::string result(reinterpret_cast<const char*>(mapped), static_cast<std::size_t>(size));
     std::free(mapped);
     return result;

@@ -63,6 +63,7 @@ struct Stack {
     int channels = 3;                    // 1 or 3, the same in all photographs
     int bits = 8;                        // as PhotoHeader::bits; 32 once developed: linear light
     bool is_raw = false;                 // camera raw
+    int orientation = 1;                 // EXIF, of all; not applied
     std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
     // From a capture.json, .dome or .relight, in the frame of the crop; the lights have positions and gains
     // then.

@@ -10,6 +10,7 @@
 #include "capture/relight_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
+#include "surface/visible_files.h"
 
 namespace tangi {
 
@@ -20,11 +21,10 @@ namespace {
 // The one .lp of a folder; the one project of another program (.relight, .dome) where there is none.
 fs::path find_lights_file(const fs::path& folder) {
     std::vector<std::string> found, of_others;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const std::string extension = lower_extension(entry.path());
-        if (extension == ".lp") found.push_back(entry.path().filename().string());
-        if (extension == ".dome" || extension == ".relight")
-            of_others.push_back(entry.path().filename().string());
+    for (const fs::path& path : visible_files(folder)) {
+        const std::string extension = lower_extension(path);
+        if (extension == ".lp") found.push_back(path.filename().string());
+        if (extension == ".dome" || extension == ".relight") of_others.push_back(path.filename().string());
     }
     if (found.empty()) found = std::move(of_others);
     std::sort(found.begin(), found.end());
@@ -98,6 +98,11 @@ void apply_lights(Stack& stack, const CaptureFile& capture) {
 // Lengths that differ by more than rounding make positions of what passes for directions.
 constexpr double kLengthsDiffer = 1.05;
 
+constexpr double kCoarse_deg = 0.5;  // of directions; two are the same within that (stray_photos.h)
+
+// [1] Half a unit of the last decimal of directions: each component is within that of what was meant.
+double rounding_of(const LightsFile& file) { return 0.5 * std::pow(10.0, -file.decimals); }
+
 // The standard errors of an .lp that `tangipaint calibrate` wrote are in the capture file beside it, and what
 // is poor about it.
 void add_what_is_beside(const fs::path& path, StackCalibration& read) {
@@ -137,6 +142,15 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
         for (std::size_t i = 0; i < read.lights.size(); ++i)
             read.lights[i] = near_light(read.lights[i].direction * static_cast<float>(file.lengths[i]),
                                         read.lights[i].name);
+    } else if (const double rounding = rounding_of(file);
+               file.decimals > 0 && std::max(*longest - 1, 1 - *shortest) < std::sqrt(3) * rounding) {
+        if (const double off_deg = rounding * std::sqrt(2.0 / 3) * 180 / std::numbers::pi;
+            off_deg > kCoarse_deg)
+            read.warnings.push_back(
+                fmt::format("{}: its directions are rounded to {} decimal{}, which makes them {:.1f} degrees "
+                            "wrong in the "
+                            "middle, and slopes with them; list them with three decimals or more",
+                            path.string(), file.decimals, file.decimals == 1 ? "" : "s", off_deg));
     } else if (*longest > kLengthsDiffer * *shortest) {
         read.warnings.push_back(fmt::format(
             "{}: its vectors have lengths from {:.4g} to {:.4g}, and are taken for directions; if they are "

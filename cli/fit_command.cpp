@@ -61,6 +61,19 @@ constexpr double kSizesDiffer = 0.01;  // [1] relative, of a pixel's size as giv
 
 constexpr double kDoubtfulBulge_deg = 5;  // of a painting as a whole
 
+// Beside the advice to turn lights; with a separator before it. Empty where viewers show the stored pixels.
+std::string says_lights_are_as_viewed(const Stack& stack) {
+    if (stack.orientation == 1) return {};
+    return fmt::format(
+        ". The photographs carry EXIF orientation {}, which is not applied: the lights seem to be listed for "
+        "the "
+        "pictures as viewers show them. Either give these flags, and the painting is as the pixels are "
+        "stored; or "
+        "turn the pixels of all photographs as viewers do and set the orientation to 1 (exiftran -a, or "
+        "ImageMagick's mogrify -auto-orient), and leave the lights as they are",
+        stack.orientation);
+}
+
 // What makes the result doubtful as a whole; empty where nothing does.
 std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack& opened,
                                       const LightFlips& flips) {
@@ -85,7 +98,9 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
     const bool out_of_order = !doubt.empty();
     if (!out_of_order) {
         doubt = doubt_of(report.signs, report.shadow_signs, flips);
-        if (!doubt.empty()) doubt += or_order(report.list_order, report.signs, report.photo_names);
+        if (!doubt.empty())
+            doubt += or_order(report.list_order, report.signs, report.photo_names) +
+                     says_lights_are_as_viewed(opened.stack);
     }
     if (!doubt.empty()) reasons.push_back(std::move(doubt));
     if (flips.any() && !out_of_order && report.median_rms_residual > kDoubtfulOrder)

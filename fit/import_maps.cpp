@@ -17,6 +17,7 @@
 #include "surface/photography_json.h"
 #include "surface/picture_file.h"
 #include "surface/picture_rows.h"
+#include "surface/visible_files.h"
 
 namespace tangi {
 
@@ -283,11 +284,9 @@ ImportOptions as_described(const fs::path& folder, ImportOptions options) {
 MapFiles find_maps(const fs::path& folder, const MapFiles& named) {
     if (!fs::is_directory(folder)) fail("{}: no such folder", folder.string());
     std::vector<fs::path> paths;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.is_regular_file() &&
-            is_one_of(lower_extension(entry.path()), {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"}))
-            paths.push_back(entry.path());
-    std::sort(paths.begin(), paths.end());
+    for (const fs::path& path : visible_files(folder))
+        if (is_one_of(lower_extension(path), {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"}))
+            paths.push_back(path);
     MapFiles files = named, wanted = named;
     for (const fs::path& path : paths) {
         std::optional<fs::path>* const map = map_named(files, last_word(path));

@@ -237,5 +237,63 @@ TEST(DataLightsFile, OfEveryStackIsRead) {
     EXPECT_GE(files, 6);
 }
 
+TEST(LightsFile, MayHaveFurtherColumns) {
+    for (const std::string more : {" 1.0", " 255 250 240"}) {
+        const LightsFile file = parse("2\na 1.png 0 0 1" + more + "\n\"b.png\" 0.6 0 0.8" + more + "\n");
+        ASSERT_EQ(file.lights.size(), 2u);
+        expect_light(file.lights[0], "a 1.png", {0, 0, 1});
+        expect_light(file.lights[1], "b.png", {0.6f, 0, 0.8f});
+        EXPECT_THAT(file.warnings, ElementsAre(testing::HasSubstr("the first three are the light's")));
+    }
+}
+
+TEST(LightsFile, MayHaveComments) {
+    const LightsFile file = parse("# by hand\n2\n; x\na.jpg 0 0 1\n#c.jpg 1 0 1\nb.jpg 0.6 0 0.8\n");
+    ASSERT_EQ(file.lights.size(), 2u);
+    EXPECT_THAT(file.left_out, IsEmpty());
+    EXPECT_THAT(file.warnings, ElementsAre(testing::HasSubstr("x.lp, line 5: begins with #")));
+}
+
+TEST(LightsFile, MayBeATable) {
+    for (const std::string text :
+         {"a.jpg,0,0,1\nb.jpg,0.6,0,0.8\n", "2\na.jpg, 0, 0, 1\nb.jpg, 0.6, 0, 0.8\n",
+          "file;x;y;z\na.jpg;0;0;1\nb.jpg;0,6;0;0,8\n"}) {
+        const LightsFile file = parse(text);
+        ASSERT_EQ(file.lights.size(), 2u) << text;
+        expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
+        EXPECT_THAT(file.warnings, testing::Contains(testing::HasSubstr("columns are separated by")));
+        EXPECT_THAT(file.left_out, IsEmpty());
+    }
+}
+
+TEST(LightsFile, MayBeLatin1) {
+    const LightsFile file = parse("1\nGem\xe4lde.png 0 0 1\n");
+    ASSERT_EQ(file.lights.size(), 1u);
+    EXPECT_EQ(file.lights[0].name, "Gemälde.png");
+    EXPECT_THAT(file.warnings, ElementsAre(testing::HasSubstr("read as Latin-1")));
+}
+
+TEST(LightsFile, MayHoldDirectionsAsNormalMapsDo) {
+    const Vec3 directions[] = {{0.6f, 0, 0.8f}, {-0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}, {0.48f, -0.6f, 0.64f}};
+    for (const float full : {255.0f, 1.0f}) {
+        std::string text = "4\n";
+        for (const Vec3& d : directions) {
+            const Vec3 v = (d + 1.0f) * (full / 2);
+            text += full == 1 ? fmt::format("a{}.png {:.3f} {:.3f} {:.3f}\n", text.size(), v.x, v.y, v.z)
+                              : fmt::format("a{}.png {:.0f} {:.0f} {:.0f}\n", text.size(), v.x, v.y, v.z);
+        }
+        const LightsFile file = parse(text);
+        ASSERT_EQ(file.lights.size(), 4u);
+        for (std::size_t i = 0; i < 4; ++i)
+            EXPECT_LT(glm::length(file.lights[i].direction - directions[i]), 0.01f) << full;
+        EXPECT_THAT(file.warnings, ElementsAre(testing::HasSubstr("as normal maps store them")));
+    }
+}
+
+TEST(LightsFile, OfAnglesIsToldAsThat) {
+    EXPECT_THAT(error_in("4\na.png 0 15 1\nb.png 90 15 1\nc.png 180 30 1\nd.png -90 60 1\n"),
+                testing::HasSubstr("azimuth and elevation"));
+}
+
 }  // namespace
 }  // namespace tangi
