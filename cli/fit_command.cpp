@@ -94,12 +94,14 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
     if (!report.turned_doubt.empty()) reasons.push_back(report.turned_doubt);
     if (!report.transfer.doubt.empty()) reasons.push_back(report.transfer.doubt);
     // A list that is in another order looks turned as well: one advice, the one that explains.
-    std::string doubt = doubt_of(report.list_order, report.signs, flips, report.photo_names);
+    std::string doubt = doubt_of(report.list_order, report.signs, flips, report.order_names);
+    // Single lights that are wrong, or exchanged, are told one by one.
+    if (doubt.empty() && report.odd_lights.odd.empty()) doubt = doubt_of_any_order(report.list_order);
     const bool out_of_order = !doubt.empty();
     if (!out_of_order) {
         doubt = doubt_of(report.signs, report.shadow_signs, flips);
         if (!doubt.empty())
-            doubt += or_order(report.list_order, report.signs, report.photo_names) +
+            doubt += or_order(report.list_order, report.signs, report.order_names) +
                      says_lights_are_as_viewed(opened.stack);
     }
     if (!doubt.empty()) reasons.push_back(std::move(doubt));

@@ -147,12 +147,6 @@ LightOutliers odd_lights_of(const Stack& stack, const LightCalibration& calibrat
     return odd_lights(surveyed, transfer, lights, stack.width(), stack.height());
 }
 
-ListOrder list_order_of(const Stack& stack, const Survey& surveyed, const Transfer& transfer) {
-    std::vector<int> lines;
-    for (const StackPhoto& photo : stack.photos) lines.push_back(photo.number);
-    return check_list_order(surveyed, transfer, stack.lights(), lines, stack.width(), stack.height());
-}
-
 // The law of the painting and what its lobes may be: as given, as the lamps' calibration found it, or as
 // left-out photographs are predicted best.
 LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighting, int channels,
@@ -285,12 +279,17 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
             : calibrate_lights(stack, surveyed, transfer, noise_for_lights(stack, transfer, options), given,
                                surface.mm_per_pixel, options.ward, options.calibration, progress);
     report_.odd_lights = odd_lights_of(stack, report_.lights, surveyed, transfer);
-    report_.list_order = list_order_of(stack, surveyed, transfer);
+    if (!seen.order_before) report_.list_order = check_list_order(surveyed, transfer, stack);
     for (std::size_t i = 0; i < stack.photos.size(); ++i) {
         const std::string& name = stack.photos[i].light.name;
         report_.photo_names.push_back(name);
         if (const long pixels = surveyed.photos[i].without_number; pixels > 0)
             report_.without_number.emplace_back(name, pixels);
+    }
+    report_.order_names = report_.photo_names;
+    if (seen.order_before) {
+        report_.list_order = std::move(seen.order_before->order);
+        report_.order_names = std::move(seen.order_before->names);
     }
     std::optional<double> white;
     if (!asked.white_level)

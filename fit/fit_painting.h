@@ -118,6 +118,7 @@ struct FitReport {
     SignCheck signs;                       // whether the lights' axes point the way that the slopes say
     ShadowCheck shadow_signs;              // and that cast shadows say
     ListOrder list_order;                  // whether photographs fit the lights of others
+    std::vector<std::string> order_names;  // of the photographs that this is of
     LightOutliers odd_lights;              // photographs that are shaded by another light than theirs
     std::vector<std::string> photo_names;  // that these are of
     // Of the photographs fitted: pixels that held no number (Survey::Photo), where any did.

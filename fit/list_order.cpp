@@ -253,4 +253,10 @@ ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const
     return result;
 }
 
+ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const Stack& stack) {
+    std::vector<int> lines;
+    for (const StackPhoto& photo : stack.photos) lines.push_back(photo.number);
+    return check_list_order(survey, transfer, stack.lights(), lines, stack.width(), stack.height());
+}
+
 }  // namespace tangi

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/stack.h"
 #include "capture/stack_calibration.h"
 #include "capture/survey.h"
 #include "fit/list_slips.h"
@@ -44,8 +45,8 @@ struct ListOrder {
     // three lights could at most, and what random orders of the list do on average.
     double explained = 0, explainable = 0, by_chance = 0;
 
-    // Whether shading is that of lights, and the listed ones explain, beyond chance, less than a quarter of
-    // what they could: half in amplitude.
+    // Whether shading is that of lights, and what the listed ones explain of it is nearer to chance than to
+    // that. Two photographs whose lights are exchanged may do that, too (odd_lights.h).
     bool fits_no_order() const;
 };
 
@@ -54,10 +55,16 @@ struct ListOrder {
 ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const std::vector<Light>& lights,
                            const std::vector<int>& lines, int width, int height);
 
+// Of the photographs of a stack.
+ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const Stack& stack);
+
 // What is to be done about it, for people; empty where the list is right, or lights that are turned or
 // mirrored explain the photographs. `taken`: what was done to the lights already, as the user asked.
 std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
                      const std::vector<std::string>& names);
+
+// That no order of the list that was tried fits; empty where fits_no_order() is false.
+std::string doubt_of_any_order(const ListOrder& order);
 
 // What has to be said beside the advice that slopes give, where an order is the same as that turn, with a
 // separator before it; empty where none is.

@@ -8,9 +8,6 @@ namespace tangi {
 
 namespace {
 
-// [1] Of the changes, that three lights explain where they are those of shading: more than noise alone gives
-// them of 8 photographs (3 of 7, and a little that the largest have by chance).
-constexpr double kMostlyLights = 0.7;
 // Where slopes say that lights are turned, and another order is such a turn.
 constexpr double kAlikeOrders = 0.7, kSameTurn_deg = 12;
 // Else: metal, which is not matt, fits lights in some wrong order better
@@ -81,6 +78,7 @@ std::string examples_of(const ListOrder::Other& other, const std::vector<std::st
     int told = 0;
     // The ends of a list that is shifted are left over.
     for (std::size_t i = other.slip.from + 1; i + 2 < names.size() && told < 2; ++i) {
+        if (other.light_of[i] == i) continue;
         const long step = static_cast<long>(other.light_of[i]) - static_cast<long>(i);
         if (other.slip.kind == ListSlip::Kind::shifted && !other.slip.reversed && !other.by_lines &&
             step != other.slip.shift)
@@ -94,8 +92,20 @@ std::string examples_of(const ListOrder::Other& other, const std::vector<std::st
 }  // namespace
 
 bool ListOrder::fits_no_order() const {
-    return explainable > kMostlyLights &&
-           explained - by_chance < kScatterRatio * kScatterRatio * (explainable - by_chance);
+    // Noise is explained by any three lights about as well as by chance.
+    const bool is_shading = 2 * explainable > by_chance + 1;
+    return is_shading && 2 * explained < by_chance + explainable;
+}
+
+std::string doubt_of_any_order(const ListOrder& order) {
+    if (!order.fits_no_order()) return {};
+    return fmt::format(
+        "the lights do not fit the photographs in the order they are listed: they explain {:.0f} % of how "
+        "shading "
+        "changes, the list in random orders {:.0f} %, and any three lights could {:.0f} %. No other order "
+        "that was "
+        "tried fits either: look whether the list is of these photographs",
+        100 * order.explained, 100 * order.by_chance, 100 * order.explainable);
 }
 
 std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
@@ -107,15 +117,7 @@ std::string doubt_of(const ListOrder& order, const SignCheck& signs, const Light
     const auto found =
         std::find_if(order.better.begin(), order.better.end(),
                      [&](const ListOrder::Other& other) { return explains(other, order, turn); });
-    if (found == order.better.end())
-        return order.fits_no_order()
-                   ? fmt::format(
-                         "the lights do not fit the photographs in the order they are listed: they explain "
-                         "{:.0f} % of how shading changes, the list in random orders {:.0f} %, and any three "
-                         "lights could {:.0f} %. No other order that was tried fits either: look whether the "
-                         "list is of these photographs",
-                         100 * order.explained, 100 * order.by_chance, 100 * order.explainable)
-                   : std::string();
+    if (found == order.better.end()) return {};
     const auto [what, remedy] = told(*found, names);
     std::string text = fmt::format(
         "the list of lights {}: {} (matt reflection fits {:.0f} % better so, {:.0f} standard errors): {}",

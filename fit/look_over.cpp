@@ -67,11 +67,15 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     collected.keep(still_in(stack, all));
     result.transfer = decide_transfer(stack, result.survey);
     const std::vector<std::string> before = names_of(stack);
+    const Stack unregistered = stack;
     const std::size_t photos = stack.photos.size();
     result.registration = register_stack(stack, collected, result.transfer.transfer, progress);
     note_missing(before, stack, "it cannot be registered to " + result.registration.reference,
                  result.left_out);
     if (!result.registration.moved && stack.photos.size() == photos) return result;
+    if (stack.photos.size() < photos)
+        result.order_before = {check_list_order(result.survey, result.transfer.transfer, unregistered),
+                               {before.begin(), before.begin() + static_cast<std::ptrdiff_t>(photos)}};
     require_enough_lights(stack.lights(), stack.folder.string());
     result.survey = survey(stack, {}, Progress([&](std::string_view, double done) {
                                return !progress || progress("survey as registered", done);

@@ -6,6 +6,7 @@
 #include "capture/registration.h"
 #include "capture/survey.h"
 #include "capture/transfer_estimate.h"
+#include "fit/list_order.h"
 
 namespace tangi {
 
@@ -14,7 +15,14 @@ struct LookOver {
     TransferEstimate transfer;
     Registration registration;      // empty where not asked for
     std::vector<LeftOut> left_out;  // damaged, black, copies of others, turned, not to be registered
-    std::string turned_doubt{};     // turned_photos.h; empty where there is none
+    // Of the photographs before registration, where that left some out: under a light that is not its own a
+    // photograph is not found again, and what is left of a list has no order to tell.
+    struct OrderBefore {
+        ListOrder order;
+        std::vector<std::string> names;
+    };
+    std::optional<OrderBefore> order_before{};
+    std::string turned_doubt{};  // turned_photos.h; empty where there is none
 };
 
 // Surveys the stack and takes photographs out of it that cannot be used, each with a warning that names it;

@@ -17,10 +17,12 @@ namespace tangi {
 namespace {
 
 constexpr std::size_t kFewestPosed = 8;
-constexpr int kPoseRounds = 6;           // of poses that predict each other
-constexpr float kPoseFloor = 0.02f;      // [1] of full scale (kBlackLevel of the survey): darker is shadow
-constexpr double kMostlyPaired = 0.9;    // [1] samples that lie on others in every pose
-constexpr int kPoseParts = 8;            // of the picture, along each side
+constexpr int kPoseRounds = 6;         // of poses that predict each other
+constexpr float kPoseFloor = 0.02f;    // [1] of full scale (kBlackLevel of the survey): darker is shadow
+constexpr double kMostlyPaired = 0.9;  // [1] samples that lie on others in every pose
+constexpr int kPoseParts = 8;          // of the picture, along each side
+// [1] Most of what changes: of lights in a wrong order it is little, and what they predict means nothing.
+constexpr double kMostExplained = 0.5;
 constexpr double kSureOfPose = 6;        // [standard errors] as of light_signs.h
 constexpr std::size_t kAllButThird = 3;  // as require_few(): what so many lack is looked at first
 constexpr double kClearlyPosed = -0.5;   // ln of a ratio of squares, likewise
@@ -107,6 +109,13 @@ public:
         const float own = weights[photo];
         weights[photo] = 0;
         return posed * (weights / std::max(1 - own, 0.1f));
+    }
+    // [0..1] What the lights explain of what changes from photograph to photograph.
+    double explained(const Eigen::MatrixXf& posed) const {
+        const Eigen::MatrixXf changes = posed.colwise() - posed.rowwise().mean();
+        const Eigen::MatrixXf left = posed - posed * hat_;
+        const auto all = static_cast<double>(changes.squaredNorm());
+        return all > 0 ? 1 - static_cast<double>(left.squaredNorm()) / all : 0;
     }
     int part_of(Eigen::Index sample) const {
         const glm::ivec2 at = survey_.positions[static_cast<std::size_t>(sample)];
@@ -209,6 +218,26 @@ void refer_to_most(const PosedPhotos& photos, std::vector<std::size_t>& poses) {
     }
 }
 
+// The squares of what a photograph is off a prediction in its pose, over those as it is stored.
+LogRatio in_pose_to_stored(const PosedPhotos& photos, const Eigen::MatrixXf& posed, Eigen::Index photo,
+                           const Eigen::VectorXf& predicted) {
+    const Eigen::VectorXf here = (posed.col(photo) - predicted).cwiseAbs2(),
+                          stored = (photos.in_pose(photo, 0) - predicted).cwiseAbs2();
+    std::array<std::array<double, 2>, kPoseParts * kPoseParts> parts{};
+    for (Eigen::Index k = 0; k < here.size(); ++k) {
+        auto& part = parts[static_cast<std::size_t>(photos.part_of(k))];
+        part[0] += static_cast<double>(here[k]), part[1] += static_cast<double>(stored[k]);
+    }
+    LogRatio ratio;
+    for (const auto& [in_pose, as_stored] : parts)
+        if (as_stored > 0) ratio.add(in_pose, as_stored);
+    return ratio;
+}
+
+bool is_sure_of_pose(const LogRatio& ratio) {
+    return ratio.count() >= kPoseParts && ratio.certainty() > kSureOfPose;
+}
+
 }  // namespace
 
 std::string in_words(const PhotoPose& pose) {
@@ -226,23 +255,19 @@ std::vector<TurnedPhoto> turned_photos(const Survey& survey, const std::vector<L
     std::vector<std::size_t> poses = best_poses(photos, lights);
     refer_to_most(photos, poses);
     const Eigen::MatrixXf posed = photos.in_poses(poses);
+    if (!(photos.explained(posed) > kMostExplained)) return {};
+    const Eigen::VectorXf sum = posed.rowwise().sum();
     std::vector<TurnedPhoto> turned;
     for (std::size_t i = 0; i < poses.size(); ++i) {
         if (poses[i] == 0) continue;
         const auto photo = static_cast<Eigen::Index>(i);
-        const Eigen::VectorXf predicted = photos.predicted(posed, photo);
-        const Eigen::VectorXf here = (posed.col(photo) - predicted).cwiseAbs2(),
-                              stored = (photos.in_pose(photo, 0) - predicted).cwiseAbs2();
-        std::array<std::array<double, 2>, kPoseParts * kPoseParts> parts{};
-        for (Eigen::Index k = 0; k < here.size(); ++k) {
-            auto& part = parts[static_cast<std::size_t>(photos.part_of(k))];
-            part[0] += static_cast<double>(here[k]), part[1] += static_cast<double>(stored[k]);
-        }
-        LogRatio ratio;
-        for (const auto& [in_pose, as_stored] : parts)
-            if (as_stored > 0) ratio.add(in_pose, as_stored);
-        if (ratio.count() >= kPoseParts && ratio.certainty() > kSureOfPose && ratio.mean() < kClearlyPosed)
-            turned.push_back({i, photos.pose(poses[i]), ratio.mean(), ratio.certainty()});
+        // Shading that is alike in two poses misleads the mean.
+        const LogRatio by_light = in_pose_to_stored(photos, posed, photo, photos.predicted(posed, photo)),
+                       by_mean = in_pose_to_stored(
+                           photos, posed, photo,
+                           (sum - posed.col(photo)) / static_cast<float>(photos.count() - 1));
+        if (is_sure_of_pose(by_light) && by_light.mean() < kClearlyPosed && is_sure_of_pose(by_mean))
+            turned.push_back({i, photos.pose(poses[i]), by_light.mean(), by_light.certainty()});
     }
     return turned;
 }
