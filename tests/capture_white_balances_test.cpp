@@ -179,13 +179,13 @@ TEST(WhiteBalances, BesideWhatIsExpected) {
 // Photographs that the generator renders, of paint as `change` makes it, their channels times `gains`; in 8
 // bits, sRGB, as JPEG has them without its losses, or with 16 bits of linear light.
 template <class Change>
-struct Rendered {
+struct CastRendering {
     PaintingTruth truth;
     GeneratorOptions options;
     std::vector<Light> lights;
     std::vector<Image<Rgb>> photos;
 
-    Rendered(std::uint64_t seed, GeneratorOptions o, const Change& change, bool gilding = false)
+    CastRendering(std::uint64_t seed, GeneratorOptions o, const Change& change, bool gilding = false)
         : truth(procedural_painting(
               {.seed = seed, .width = 72, .height = 54, .mm_per_pixel = 1.5, .gilding = gilding})),
           options(o) {
@@ -252,13 +252,13 @@ void expect_honest(const Change& change, bool gilding) {
         for (const bool ring : {false, true}) {
             GeneratorOptions options{.lights = ring ? 12 : 24};
             if (ring) options.min_elevation_deg = options.max_elevation_deg = 45;
-            const Rendered rendered(seed, options, change, gilding);
+            const CastRendering rendering(seed, options, change, gilding);
             for (const bool of_8_bits : {false, true}) {
                 const WhiteBalances found =
-                    rendered.balances(std::vector<Rgb>(rendered.lights.size(), Rgb(1)), of_8_bits);
+                    rendering.balances(std::vector<Rgb>(rendering.lights.size(), Rgb(1)), of_8_bits);
                 EXPECT_EQ(found.differing() + found.unclear(), 0)
                     << seed << " " << ring << " " << of_8_bits << " "
-                    << warning_of(found, std::vector<std::string>(rendered.lights.size(), "a"), "b");
+                    << warning_of(found, std::vector<std::string>(rendering.lights.size(), "a"), "b");
             }
         }
 }
@@ -271,10 +271,10 @@ TEST(RenderedWhiteBalances, OfAGoldGroundAreAlike) { expect_honest(gold_ground, 
 template <class Change>
 void expect_found(const Change& change, bool gilding, double within) {
     for (const std::uint64_t seed : {21u, 22u}) {
-        const Rendered rendered(seed, {.lights = 24}, change, gilding);
+        const CastRendering rendering(seed, {.lights = 24}, change, gilding);
         std::vector<Rgb> gains(24, Rgb(1));
         for (std::size_t i = 0; i < gains.size(); i += 3) gains[i] = {1.2f, 1, 0.8f};
-        const WhiteBalances found = rendered.balances(gains, true);
+        const WhiteBalances found = rendering.balances(gains, true);
         EXPECT_GT(found.differing(), 0);
         for (std::size_t i = 0; i < gains.size(); ++i) {
             const WhiteBalance& b = found.photos[i];
