@@ -143,10 +143,9 @@ bool is_utf8(std::string_view text) {
 
 std::vector<LightsLine> lines_of_lights(std::string text, const std::string& file_name,
                                         std::vector<std::string>& warnings) {
-    if (!is_utf8(text)) {
-        text = utf8_of_latin1(text);
-        warnings.push_back(fmt::format("{}: is not UTF-8, and its names are read as Latin-1", file_name));
-    }
+    if (!is_utf8(text))
+        warnings.push_back(fmt::format(
+            "{}: is not UTF-8; its names are compared with those of files as Latin-1", file_name));
     std::istringstream stream(std::move(text));
     std::vector<LightsLine> lines;
     std::vector<int> commented_out;

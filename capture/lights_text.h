@@ -1,4 +1,4 @@
-// lights_text.h: what stands in a lights file otherwise than as "name x y z" in UTF-8, put that way.
+// lights_text.h: what stands in a lights file otherwise than as "name x y z", put that way.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct LightsLine {
     std::string text;  // trimmed, columns separated by blanks
 };
 
-// The lines of a lights file that hold something: without comments, which begin with # or ;, in UTF-8,
-// without a title line, and without columns after z where all lines have one or three more. Adds to
+// The lines of a lights file that hold something: without comments, which begin with # or ;, without a title
+// line, and without columns after z where all lines have one or three more. Adds to
 // `warnings` what was understood so.
 std::vector<LightsLine> lines_of_lights(std::string text, const std::string& file_name,
                                         std::vector<std::string>& warnings);

@@ -54,8 +54,7 @@ NamedPhoto choose(std::vector<fs::path> files) {
     return {std::nullopt, std::move(files)};
 }
 
-}  // namespace
-
+// Latin-1 bytes are the first 256 code points.
 std::string utf8_of_latin1(std::string_view text) {
     std::string result;
     for (const char c : text) {
@@ -67,6 +66,8 @@ std::string utf8_of_latin1(std::string_view text) {
     }
     return result;
 }
+
+}  // namespace
 
 std::string alike(const std::string& text) {
     utf8proc_uint8_t* mapped = nullptr;

@@ -13,9 +13,6 @@ namespace tangi {
 // two (as macOS does), are the same; what is no UTF-8 is taken for Latin-1.
 std::string alike(const std::string& text);
 
-// Latin-1 bytes are the first 256 code points.
-std::string utf8_of_latin1(std::string_view text);
-
 // Names as people count: photo_2 before photo_10.
 bool before_as_counted(std::string_view a, std::string_view b);
 
