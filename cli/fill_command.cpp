@@ -23,6 +23,7 @@ nlohmann::json run_fill(const FillArguments& a) {
         throw UsageError("say what is filled: --class loss_to_ground, --mask FILE or --polygon X,Y;X,Y;X,Y");
     const Progress progress = console_progress();
     Treatment treatment = open_treatment(a.treatment);
+    refuse_over_unsaved(treatment);
     const StepArea area = a.area.step_area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
     nlohmann::json result = fill_step(treatment, canvas, area, *texture, Rgb(rgb[0], rgb[1], rgb[2]), a.fill,
@@ -42,6 +43,7 @@ struct VarnishArguments {
 nlohmann::json run_varnish(const VarnishArguments& a) {
     const Progress progress = console_progress();
     Treatment treatment = open_treatment(a.treatment);
+    refuse_over_unsaved(treatment);
     const StepArea area = a.area.step_area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
     nlohmann::json result = varnish_step(treatment, canvas, a.isolating, a.area.empty() ? nullptr : &area,

@@ -129,7 +129,9 @@ Command replay_command() {
                          "painting file for the palette with what was mixed on it (.exr)");
             a->substrate.add_to(flags);
             a->frames.add_to(flags);
-            flags.option("--palette", a->palette, "palette file (.json) with the paints that strokes name");
+            flags.option("--palette", a->palette,
+                         "palette file (.json) with the paints that strokes name, where the journal does not "
+                         "say them");
             flags.option("--brushes", a->brushes,
                          "presets file (.json) with further brushes that strokes name");
             flags.flag("--recover", a->recover,

@@ -124,6 +124,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
         out.emplace(a.out);  // that it can be written is known before the work
     else
         treatment = open_treatment(a.treatment), require_its_scale(*treatment, a.mm_per_pixel);
+    if (treatment) refuse_over_unsaved(*treatment);
     Canvas canvas =
         treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
     const std::string hash = sha256_of(canvas.dry());

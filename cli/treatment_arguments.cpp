@@ -7,6 +7,7 @@
 #include "cli/arguments.h"
 #include "cli/command.h"
 #include "surface/error.h"
+#include "viewer/sitting.h"
 
 namespace tangi {
 
@@ -89,6 +90,21 @@ Treatment open_treatment(const std::string& folder) {
     Treatment treatment = Treatment::open(folder);
     for (const std::string& warning : treatment.log().warnings()) warn(warning);
     return treatment;
+}
+
+void refuse_over_unsaved(const Treatment& treatment) {
+    const SittingFiles files = sitting_files(treatment.painting());
+    bool waits = false;
+    try {
+        waits = left_over(files).has_value();
+    } catch (const Error&) {  // nothing in it can be recovered on any painting
+    }
+    if (waits)
+        fail(
+            "{}: strokes that were painted in the window are not saved, and go on from the painting as it is "
+            "now; save "
+            "them there first, or open {} and recover them or put them aside",
+            files.unsaved.string(), treatment.folder().string());
 }
 
 void require_its_scale(const Treatment& treatment, const std::optional<double>& mm_per_pixel) {

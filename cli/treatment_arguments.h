@@ -39,6 +39,9 @@ Polygon parse_polygon(const std::string& text, const Treatment& treatment);
 
 // Opens it and prints its warnings.
 Treatment open_treatment(const std::string& folder);
+// For steps that change the painting: throws Error where strokes lie on it that were not saved in the window,
+// since they could not be recovered on another painting.
+void refuse_over_unsaved(const Treatment& treatment);
 // Throws UsageError where a scale is typed that is not the one that the treatment began with.
 void require_its_scale(const Treatment& treatment, const std::optional<double>& mm_per_pixel);
 

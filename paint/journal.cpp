@@ -58,8 +58,7 @@ public:
             const bool undo = std::holds_alternative<UndoEvent>(event),
                        redo = std::holds_alternative<RedoEvent>(event),
                        point = std::holds_alternative<PointEvent>(event),
-                       end = std::holds_alternative<EndEvent>(event) ||
-                             std::holds_alternative<ConfineEvent>(event);
+                       end = std::holds_alternative<EndEvent>(event) || is_setting(event);
             if (undo ? undoable_ == 0 : redo && redoable_ == 0) return false;
             if (undo || redo) {
                 undoable_ += undo ? -1 : 1;
@@ -183,6 +182,24 @@ private:
 
 Journal read_journal(const std::filesystem::path& path, const Presets& presets) {
     return Reading(path, presets, false).read();
+}
+
+int strokes_left(std::span<const Journal::Entry> entries) {
+    std::vector<bool> done, undone;  // whether it is a stroke
+    for (const auto& [line, event] : entries) {
+        const bool undo = std::holds_alternative<UndoEvent>(event);
+        if (undo || std::holds_alternative<RedoEvent>(event)) {
+            std::vector<bool>&from = undo ? done : undone, &to = undo ? undone : done;
+            if (from.empty()) continue;
+            to.push_back(from.back());
+            from.pop_back();
+        } else if (!std::holds_alternative<PointEvent>(event) && !std::holds_alternative<EndEvent>(event) &&
+                   !is_setting(event)) {
+            done.push_back(std::holds_alternative<StrokeEvent>(event));
+            undone.clear();
+        }
+    }
+    return static_cast<int>(std::ranges::count(done, true));
 }
 
 void require_in_order(const Journal& journal) {

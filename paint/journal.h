@@ -54,6 +54,9 @@ Journal read_journal(const std::filesystem::path& path,
 Journal recovered_journal(const std::filesystem::path& path,
                           const std::map<std::string, BrushSettings>& presets = brush_presets());
 
+// Strokes that are on the painting or the palette after these events: not those that are undone.
+int strokes_left(std::span<const Journal::Entry> entries);
+
 // Throws Error naming file and line where a point is of no stroke, as replay() would.
 void require_in_order(const Journal& journal);
 

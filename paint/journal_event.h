@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "paint/brush_settings.h"
+#include "paint/palette.h"
 #include "paint/pigment.h"
 #include "paint/stroke.h"
 
@@ -70,8 +72,19 @@ struct PaletteEvent {
 struct ConfineEvent {
     std::string mask;  // 64 hex digits; empty: none
 };
+// The paints that names mean from here on, as their palette file had them: whatever becomes of that file, the
+// journal paints the same. It is not undone.
+// {"event": "paints", "palette": {"format": "tangipaint palette", ...}}
+struct PaintsEvent {
+    std::shared_ptr<const Palette> palette;  // null, and no "palette": artist_acrylics()
+};
 using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent,
-                           PileEvent, PaletteEvent, ConfineEvent>;
+                           PileEvent, PaletteEvent, ConfineEvent, PaintsEvent>;
+
+PaintsEvent paints_event(const Palette& palette);
+// Whether it does nothing to the painting, but says what later events mean.
+bool is_setting(const Event& event);
+bool names_paints(const Event& event);
 
 std::string_view name_of(const Event& event);  // "stroke", "point", …
 nlohmann::json to_json(const Event& event);

@@ -183,6 +183,12 @@ Event confine_from(Fields& fields, const std::string& where) {
     return event;
 }
 
+Event paints_from(Fields& fields, const std::string& where) {
+    const json* palette = fields.find("palette");
+    if (!palette) return PaintsEvent{};
+    return PaintsEvent{std::make_shared<Palette>(parse_palette(palette->dump(), where + ": 'palette'"))};
+}
+
 Event stroke_from(Fields& fields, const std::string& where,
                   const std::map<std::string, BrushSettings>& presets) {
     StrokeEvent event;
@@ -285,14 +291,33 @@ struct ToJson {
         if (!e.mask.empty()) result["mask"] = e.mask;
         return result;
     }
+    json operator()(const PaintsEvent& e) const {
+        json result = {{"event", "paints"}};
+        if (e.palette) result["palette"] = json::parse(palette_text(*e.palette));
+        return result;
+    }
 };
 
 }  // namespace
 
 std::string_view name_of(const Event& event) {
     static constexpr std::array<std::string_view, std::variant_size_v<Event>> names = {
-        "stroke", "point", "end", "undo", "redo", "dry", "lift", "pile", "palette", "confine"};
+        "stroke", "point", "end", "undo", "redo", "dry", "lift", "pile", "palette", "confine", "paints"};
     return names[event.index()];
+}
+
+PaintsEvent paints_event(const Palette& palette) {
+    if (palette_text(palette) == palette_text(artist_acrylics())) return {};
+    return {std::make_shared<Palette>(palette)};
+}
+
+bool is_setting(const Event& event) {
+    return std::holds_alternative<ConfineEvent>(event) || std::holds_alternative<PaintsEvent>(event);
+}
+
+bool names_paints(const Event& event) {
+    return std::holds_alternative<StrokeEvent>(event) || std::holds_alternative<PileEvent>(event) ||
+           std::holds_alternative<PaletteEvent>(event);
 }
 
 json to_json(const Event& event) { return std::visit(ToJson{}, event); }
@@ -324,10 +349,12 @@ Event event_from_json(const json& object, const std::string& where,
         event = palette_from(fields, where);
     else if (kind == "confine")
         event = confine_from(fields, where);
+    else if (kind == "paints")
+        event = paints_from(fields, where);
     else
         fail(
             "{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette, "
-            "confine",
+            "confine, paints",
             where, shown(kind));
     fields.end();
     return event;

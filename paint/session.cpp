@@ -318,6 +318,8 @@ void Session::apply(const Event& event) {
         lay_out(*palette);
     } else if (const auto* mask = std::get_if<ConfineEvent>(&event)) {
         confine(*mask);
+    } else if (const auto* paints = std::get_if<PaintsEvent>(&event)) {
+        palette_ = paints->palette ? *paints->palette : artist_acrylics();
     }
     order_.take(event);
 }

@@ -198,6 +198,26 @@ TEST_F(CliTreatment, StrokesOfAJournalArePaintedAgainByCheck) {
     EXPECT_EQ(check.json()["strokes"]["not_painted_again"], 0);
 }
 
+// What a sitting in the window left is of the painting as it is: a step would take its ground away.
+TEST_F(CliTreatment, NoStepIsDoneUnderStrokesThatAreNotSaved) {
+    draw();
+    const std::string unsaved = treatment() + "/painting.unsaved.jsonl";
+    write_bytes(unsaved, "{\"format\": \"tangipaint strokes\", \"version\": 1}\n{\"event\": \"paints\"}\n");
+    ASSERT_TRUE(ended(tangipaint({"varnish", treatment()}), 0)) << "there is no stroke in it";
+    write_bytes(unsaved, bytes_of(unsaved) + "{\"event\": \"dry\", \"layer\": \"a\"}\n");
+    const std::string log = bytes_of(treatment() + "/log.jsonl");
+    for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+             {"fill", treatment(), "--class", "loss_to_ground"},
+             {"varnish", treatment()},
+             {"retouch", "--treatment", treatment(), "--class", "loss_to_ground", "--mode", "mimetic"},
+             {"treatment", "retouch", treatment()},
+             {"treatment", "remove", treatment(), "--all"},
+             {"treatment", "undo", treatment()}})
+        EXPECT_TRUE(ended(tangipaint(command), 1, {"painting.unsaved.jsonl", "recover"})) << command[0];
+    EXPECT_EQ(bytes_of(treatment() + "/log.jsonl"), log);
+    EXPECT_TRUE(ended(tangipaint({"treatment", "status", treatment()}), 0));
+}
+
 // The legend is drawn before the step is done, and shows the map as the step makes it.
 TEST_F(CliTreatment, ALegendComesAboutWithItsStep) {
     draw();

@@ -68,7 +68,9 @@ std::vector<Event> some_events() {
             squeezed,
             palette,
             all,
-            PaletteEvent{}};
+            PaletteEvent{},
+            PaintsEvent{},
+            paints_event({"mine", "", {pigment_of_rgb("Sky", Rgb(0.02f, 0.05f, 0.9f), 0.05f)}})};
 }
 
 TEST(Journal, ComesBackBitForBit) {

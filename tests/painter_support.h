@@ -14,10 +14,10 @@ namespace fs = std::filesystem;
 
 class PainterTest : public testing::Test {
 protected:
-    void open(bool is_new = false) {
+    void open(bool is_new = false, const Palette& palette = artist_acrylics()) {
         painter_.reset();
         Painter::Setup setup{is_new || !fs::exists(file_) ? flat_canvas(200, 150) : read_canvas(file_),
-                             artist_acrylics(), file_, is_new};
+                             palette, file_, is_new};
         painter_ = std::make_unique<Painter>(std::move(setup), [] {});
         shown_ = std::make_shared<TexelTiles>(painter_->surface(), painter_->range());
         painter_->start(shown_);

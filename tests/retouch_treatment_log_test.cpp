@@ -202,5 +202,20 @@ TEST(TreatmentLog, TwoWritersAtOnceDoNotBreakTheChain) {
     EXPECT_EQ(TreatmentLog::open(path).entries().size(), 3u);
 }
 
+TEST(TreatmentLog, AnEditIsNoticedByWhoHasReadItAlready) {
+    const TestDir dir;
+    const auto path = a_log(dir, 2);
+    TreatmentLog log = TreatmentLog::open(path);
+    std::vector<std::string> lines = lines_of(path);
+    lines[1][lines[1].find("\"action\":\"") + 10] = 'X';  // as long as before
+    write_lines(path, lines);
+    EXPECT_THAT(
+        [&] {
+            log.append({{"action", "later"}});
+        },
+        ThrowsMessage<Error>(HasSubstr("changed by another program")));
+    EXPECT_EQ(lines_of(path), lines);
+}
+
 }  // namespace
 }  // namespace tangi

@@ -32,6 +32,11 @@ protected:
         EXPECT_THAT(read_journal(sitting_files(painting).record).warnings, testing::IsEmpty());
         EXPECT_TRUE(recorded_as_saved(painting));
     }
+    std::size_t paints_on_it() {
+        std::size_t paints = 0;
+        painter_->look([&](const Surface&, const Canvas& now) { paints = now.ingredients().size(); }).get();
+        return paints;
+    }
     int strokes_in(const Journal& journal) {
         return static_cast<int>(std::ranges::count_if(journal.entries, [](const auto& entry) {
             return std::holds_alternative<StrokeEvent>(entry.event);
@@ -171,6 +176,63 @@ TEST_F(Recording, StrokesOfAnotherPaintingAreNotTakenForItsOwn) {
     EXPECT_EQ(strokes_in(read_journal(files_.record)), 1);
     EXPECT_EQ(bytes_of(folder_ / "a.other-strokes.jsonl"), record);
     expect_record_makes(file_);
+}
+
+Palette box_of(const Rgb& sky) {
+    return {"mine", "", {pigment_of_rgb("Sky", sky, 0.05f), pigment_of_rgb("White", Rgb(0.9f), 0.05f)}};
+}
+
+// A palette's file may be edited between a crash and the next sitting, and between two sittings: strokes stay
+// of the paints that they were painted with.
+TEST_F(Recording, StrokesKeepThePaintsThatTheyWerePaintedWith) {
+    const auto paint = [&](double y_mm) {
+        StrokeEvent event;
+        event.brush = even_brush();
+        event.paint = {{"Sky", 1}};
+        painter_->send(event);
+        go_on(y_mm, 0, 10);
+        painter_->send(EndEvent{});
+    };
+    const Palette blue = box_of({0.02f, 0.05f, 0.9f}), red = box_of({0.9f, 0.05f, 0.02f});
+    open(false, blue);
+    paint(-10);
+    painter_->save();
+    paint(0);
+    settle();
+    painter_.reset();
+    open(false, red);
+    auto journal = left_over(files_);
+    ASSERT_TRUE(journal);
+    painter_->recover(std::move(*journal));
+    EXPECT_THAT(settle().messages, Contains("recovered 1 stroke"));
+    EXPECT_EQ(paints_on_it(), 1u) << "as blue as the one before";
+    paint(10);
+    settle();
+    EXPECT_EQ(paints_on_it(), 2u) << "and what is painted now is of the new box";
+    painter_->save();
+    settle();
+    expect_record_makes(file_);
+    painter_.reset();
+    open();
+    stroke(20);
+    painter_->save();
+    settle();
+    expect_record_makes(file_);
+}
+
+TEST_F(Recording, WhatIsUndoneIsNotCountedAsRecovered) {
+    open();
+    stroke(-5);
+    stroke(5);
+    painter_->send(UndoEvent{});
+    settle();
+    painter_.reset();
+    auto journal = left_over(files_);
+    ASSERT_TRUE(journal);
+    EXPECT_EQ(strokes_left(journal->entries), 1);
+    open();
+    painter_->recover(std::move(*journal));
+    EXPECT_THAT(settle().messages, Contains("recovered 1 stroke"));
 }
 
 TEST_F(Recording, ADamagedJournalIsRecoveredAndIsNotTheRecord) {

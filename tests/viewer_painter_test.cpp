@@ -234,7 +234,7 @@ TEST_F(PainterTest, ThePalettesPilesLieBesideEachOther) {
     settle();
     std::vector<PointMm> at;
     for (const Journal::Entry& entry : read_journal(folder_ / "a.strokes.jsonl").entries)
-        at.push_back(std::get<PileEvent>(entry.event).at);
+        if (const auto* squeezed = std::get_if<PileEvent>(&entry.event)) at.push_back(squeezed->at);
     ASSERT_EQ(at.size(), 2u);
     EXPECT_GT(std::hypot(at[0].x - at[1].x, at[0].y - at[1].y), 0.9 * pile.size_mm);
 }

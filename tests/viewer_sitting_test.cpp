@@ -63,6 +63,18 @@ std::string header_of(const std::string& on, const std::string& makes = "") {
     return journal_text({on, makes}, {});
 }
 
+// Whatever name leads to a painting, it has one journal; and no two paintings have one.
+TEST(Sitting, FilesAreThoseOfThePaintingsFile) {
+    TestDir folder;
+    fs::create_directory(folder / "real");
+    write_bytes(folder / "real" / "b.exr", "a painting");
+    fs::create_symlink("real/b.exr", folder / "a.exr");
+    EXPECT_EQ(sitting_files(folder / "a.exr").unsaved, folder / "real" / "b.unsaved.jsonl");
+    EXPECT_EQ(sitting_files(folder / "a.exr").painting, folder / "a.exr");
+    EXPECT_NE(sitting_files(folder / "c.EXR").record, sitting_files(folder / "c.exr").record);
+    EXPECT_EQ(sitting_files(folder / "c.2.exr").record, folder / "c.2.strokes.jsonl");
+}
+
 // Of an earlier version, which did not say what a journal is of: nobody knows whether it was saved.
 TEST(Sitting, AnOlderJournalIsNeverTheRecordUnasked) {
     TestDir folder;

@@ -287,6 +287,30 @@ TEST_F(Desks, StrokesOfACrashStopAtTheSameDamage) {
     EXPECT_EQ(state_.painter.outside_px, 0);
 }
 
+// Where the folder is gone, nobody knows where brushes are to stop.
+TEST_F(Desks, NothingIsPaintedWhileTheFolderIsElsewhere) {
+    begin();
+    state_.treating.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    state_.treating.ask.keep = true;
+    settle();
+    ASSERT_EQ(state_.treating.no_strokes, "");
+    const auto look_again = [this] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));
+        settle();
+    };
+    fs::rename(folder_ / "a.treatment", folder_ / "b.treatment");
+    look_again();
+    EXPECT_THAT(state_.treating.no_strokes, HasSubstr("not where it was"));
+    EXPECT_TRUE(state_.treating.on) << "it is no painting without a treatment";
+    fs::rename(folder_ / "b.treatment", folder_ / "a.treatment");
+    look_again();
+    EXPECT_EQ(state_.treating.no_strokes, "");
+    stroke(0);
+    EXPECT_GT(state_.painter.painted_px, 50);
+    EXPECT_EQ(state_.painter.outside_px, 0);
+}
+
 TEST_F(Desks, CorrectionsAreKeptWhenTheWindowCloses) {
     begin();
     state_.treating.brush_mm = 12;

@@ -105,7 +105,9 @@ TEST_F(DesksStrokes, WhatWasOnlyMixedStaysInTheJournal) {
     EXPECT_EQ(treatment().log().entries().size(), 1u);
     const auto journal = left_over(sitting_files(file));
     ASSERT_TRUE(journal);
-    EXPECT_EQ(journal->entries.size(), 1u);
+    ASSERT_EQ(journal->entries.size(), 2u);
+    EXPECT_TRUE(std::holds_alternative<PaintsEvent>(journal->entries[0].event));
+    EXPECT_TRUE(std::holds_alternative<PaletteEvent>(journal->entries[1].event));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace tangi {
 namespace {
 
-constexpr Region kPanels{0, 0, 300, 700};
+constexpr Region kPanelColumn{0, 0, 300, 700};
 constexpr std::pair<int, int> kTurnField{97, 381};
 
 float brightest(const Image<Rgb>& picture, const Region& region) {
@@ -21,13 +21,13 @@ float brightest(const Image<Rgb>& picture, const Region& region) {
 TEST_F(Window, PanelsAreStillSeenWhenNewCharactersComeUp) {
     start();
     const auto before = screen_->settled();
-    ASSERT_GT(brightest(before, kPanels), 0.8f);
+    ASSERT_GT(brightest(before, kPanelColumn), 0.8f);
     const auto are_seen = [&](const char* when) {
         screen_->settled();
-        EXPECT_GT(brightest(screen_->picture(), kPanels), 0.8f) << when;
+        EXPECT_GT(brightest(screen_->picture(), kPanelColumn), 0.8f) << when;
         EXPECT_GT(brightest(screen_->picture(), {400, 150, 900, 550}), 0.8f) << "the dialog " << when;
         screen_->key("Escape");
-        EXPECT_TRUE(screen_->becomes_alike(before, kPanels, 0.005)) << when;
+        EXPECT_TRUE(screen_->becomes_alike(before, kPanelColumn, 0.005)) << when;
     };
     screen_->key("ctrl+shift+s");
     screen_->settled();
@@ -41,7 +41,7 @@ TEST_F(Window, PanelsAreStillSeenWhenNewCharactersComeUp) {
     screen_->settled();
     screen_->x({"type", "--delay", "20", "☼"});
     screen_->settled();
-    EXPECT_GT(brightest(screen_->picture(), kPanels), 0.8f) << "typed as a number";
+    EXPECT_GT(brightest(screen_->picture(), kPanelColumn), 0.8f) << "typed as a number";
     screen_->x({"key", "Escape", "mousemove", "650", "350"});
     EXPECT_TRUE(screen_->becomes_alike(before, {0, 0, 300, 370}, 0.005));
     EXPECT_EQ(close().code, 0);

@@ -276,8 +276,11 @@ void Painter::apply(const Event& event, bool recorded) {
     require_readable(event);
     if (!hurry_) session_.apply(event);
     order_.take(event);
-    if (recorded && std::holds_alternative<StrokeEvent>(event)) record_mask();
-    if (recorded) record(event);
+    if (recorded) {
+        if (names_paints(event)) record_paints();
+        if (std::holds_alternative<StrokeEvent>(event)) record_mask();
+        record(event);
+    }
     own_.unsaved = true;
     own_.stroking = order_.in_stroke();
     if (hurry_) {

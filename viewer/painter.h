@@ -148,7 +148,6 @@ public:
         std::string journal;            // of what was done since the last time; empty: nothing
         std::filesystem::path unsaved;  // its file, which goes with what is kept; need not be there
         std::map<std::string, std::string> masks;  // that it names -> what their files hold
-        std::string palette;                       // its file, where it is not the built-in one
         std::vector<PartToWrite> tools;            // palette and brush as they are now (tools_file.h)
     };
     struct Kept {
@@ -172,6 +171,7 @@ private:
     void paint(const Event& event);
     void end_stroke();
     void record(const Event& event);
+    void record_paints();
     void record_mask();
     void write_masks();
     void took_mask(const std::string& name);
@@ -234,8 +234,10 @@ private:
     std::optional<SavedTiles> saved_board_;  // likewise
     Keep keep_;
     Stops stops_;
-    // Of the journal of this sitting: the mask that it stops at, as far as it says; all that it names, with
-    // what their files hold; and those of which there is no file yet.
+    // Of the journal of this sitting: whether it says which paints it is painted with; the mask that it stops
+    // at, as far as it says; all that it names, with what their files hold; and those of which there is no
+    // file yet.
+    bool paints_recorded_ = false;
     std::string recorded_mask_;
     std::map<std::string, std::string> masks_;
     std::set<std::string> unwritten_masks_;

@@ -2,7 +2,6 @@
 #include "paint/canvas_file.h"
 #include "paint/canvas_hash.h"
 #include "paint/retouch/confining_mask.h"
-#include "paint/retouch/treatment_strokes.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
 #include "surface/memory_error.h"
@@ -31,6 +30,11 @@ void Painter::record(const Event& event) {
     if (std::string note = record_.take_note(); !note.empty()) say(std::move(note));
 }
 
+// A journal is painted again with the paints that it was painted with.
+void Painter::record_paints() {
+    if (!std::exchange(paints_recorded_, true)) record(paints_event(session_.palette()));
+}
+
 // A journal begins without a mask.
 void Painter::record_mask() {
     if (recorded_mask_ == stops_.name) return;
@@ -53,6 +57,7 @@ void Painter::write_masks() {
 
 // What is done from now on is of another journal than what was done before.
 void Painter::begin_journal() {
+    paints_recorded_ = false;
     recorded_mask_.clear();
     masks_.clear();
     unwritten_masks_.clear();
@@ -89,6 +94,7 @@ void Painter::took_mask(const std::string& name) {
 
 void Painter::recover(Journal journal) {
     post([this, journal = std::move(journal)] {
+        const PaintsEvent own = paints_event(session_.palette());
         std::vector<Journal::Entry> painted;
         std::string why;
         const auto not_repeated = [&](int line, const char* what) {
@@ -112,14 +118,18 @@ void Painter::recover(Journal journal) {
             painted.push_back({0, EndEvent{}});
             apply(EndEvent{}, false);
         }
-        // What follows stops where brushes stop now.
+        // What follows stops where brushes stop now, and is of the paints that are in the box now.
         session_.canvas().confine(stops_.mask);
-        for (const Journal::Entry& entry : painted)
+        session_.apply(own);
+        for (const Journal::Entry& entry : painted) {
             if (const auto* mask = std::get_if<ConfineEvent>(&entry.event)) took_mask(mask->mask);
+            if (std::holds_alternative<PaintsEvent>(entry.event))
+                paints_recorded_ = journal_line(entry.event) == journal_line(own);
+        }
         const bool all_of_it = why.empty() && journal.lines_lost == 0 && is_of(journal, saved_hash_);
         keep_record([&] { record_.take_over(painted, all_of_it); });
-        std::string told = fmt::format("recovered {} stroke{}", session_.totals().strokes,
-                                       session_.totals().strokes == 1 ? "" : "s");
+        const int strokes = strokes_left(painted);
+        std::string told = fmt::format("recovered {} stroke{}", strokes, strokes == 1 ? "" : "s");
         if (journal.lines_lost > 0)
             told += fmt::format("; {} damaged line{} could not be", journal.lines_lost,
                                 journal.lines_lost == 1 ? "" : "s");
@@ -176,9 +186,8 @@ void Painter::write_files(const std::filesystem::path& to) {
 void Painter::keep_step() {
     Canvas kept = session_.canvas();
     kept.confine({});
-    const auto [said, done] =
-        keep_(kept, {record_.empty() ? std::string() : record_.text(), record_.files().unsaved, masks_,
-                     palette_to_keep(session_.palette()), with_tools({}, session_)});
+    const auto [said, done] = keep_(kept, {record_.empty() ? std::string() : record_.text(),
+                                           record_.files().unsaved, masks_, with_tools({}, session_)});
     say(said);
     if (!done) return;
     adopt(std::move(kept));

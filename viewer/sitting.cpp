@@ -18,11 +18,19 @@ bool is_there(const fs::path& file) {
     return fs::exists(file, unknown);
 }
 
+// Beside the painting's file, wherever links lead to it. Only .exr is left out: x.EXR is another painting
+// than x.exr.
+fs::path beside(const fs::path& painting, const std::string& ending) {
+    fs::path path = where_links_lead(painting);
+    if (path.extension() == ".exr") path.replace_extension();
+    return path += ending;
+}
+
 // A name beside the painting that is free: x.discarded.jsonl, x.discarded-2.jsonl.
 fs::path free_name(const SittingFiles& files, std::string_view why) {
     for (int i = 1;; ++i) {
-        fs::path kept = files.painting;
-        kept.replace_extension(i == 1 ? fmt::format(".{}.jsonl", why) : fmt::format(".{}-{}.jsonl", why, i));
+        fs::path kept = beside(files.painting,
+                               i == 1 ? fmt::format(".{}.jsonl", why) : fmt::format(".{}-{}.jsonl", why, i));
         if (!is_there(kept)) return kept;
     }
 }
@@ -70,11 +78,7 @@ void add_kept(OutputSet& set, SittingRecord::Files& files, const SittingFiles& b
 }  // namespace
 
 SittingFiles sitting_files(const fs::path& painting) {
-    const auto beside = [&](const char* ending) {
-        fs::path path = painting;
-        return path.replace_extension(ending);
-    };
-    return {painting, beside(".unsaved.jsonl"), beside(".strokes.jsonl")};
+    return {painting, beside(painting, ".unsaved.jsonl"), beside(painting, ".strokes.jsonl")};
 }
 
 std::optional<Journal> left_over(const SittingFiles& files) {
@@ -82,7 +86,9 @@ std::optional<Journal> left_over(const SittingFiles& files) {
     Journal journal = recovered_journal(files.unsaved);
     if (journal.entries.empty() && journal.lines_lost > 0)
         fail("{}:{}: {}", journal.source, journal.warnings.front().line, journal.warnings.front().text);
-    if (journal.entries.empty()) return {};
+    if (std::ranges::all_of(journal.entries,
+                            [](const Journal::Entry& entry) { return is_setting(entry.event); }))
+        return {};
     if (journal.head.on.empty() && is_older(files.unsaved, files.painting)) return {};
     return journal;
 }
@@ -136,7 +142,8 @@ void SittingRecord::put_older_away() {
         older = recovered_journal(files_.unsaved);
     } catch (const Error&) {  // it is none, or of another version
     }
-    if (older && older->entries.empty() && older->lines_lost == 0) {
+    if (older && older->lines_lost == 0 &&
+        std::ranges::all_of(older->entries, [](const auto& entry) { return is_setting(entry.event); })) {
         fs::remove(files_.unsaved);
         return;
     }

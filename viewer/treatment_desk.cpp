@@ -19,6 +19,7 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kSitting = "sitting.json";
+constexpr std::chrono::milliseconds kBetweenLooks(500);  // whether the folder is there
 
 json sitting_of(const Treating& t) {
     json classes = json::array();
@@ -130,6 +131,7 @@ void TreatmentDesk::leave() {
     suggested_.reset();
     preview_.reset();
     state_shown_.reset();
+    gone_ = false;
     confined_by_.clear();
     refresh_due_ = confine_due_ = false;
     Treating blank;
@@ -158,6 +160,7 @@ void TreatmentDesk::open(const fs::path& folder) {
         return;
     }
     const Treatment& treatment = held_->treatment;
+    painting_ = painter_->file();
     t.on = t.checking = true;
     t.folder = folder.string();
     t.dry_sha256 = treatment.dry_sha256();
@@ -315,7 +318,7 @@ Painter::Kept TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas,
     if (area.mask.empty()) area = area_of_classes(treatment, {});
     TreatmentStep step{.action = "retouch", .parameters = {{"feather_mm", feather_mm}}};
     if (!sitting.journal.empty()) {
-        step.strokes = {sitting.journal, sitting.masks, sitting.palette, sitting.tools};
+        step.strokes = {sitting.journal, sitting.masks, sitting.tools};
         if (fs::exists(sitting.unsaved)) step.withdrawn.push_back(sitting.unsaved.filename().string());
     }
     const json result =
@@ -329,6 +332,7 @@ Painter::Kept TreatmentDesk::kept(Held& held, Keeping& keeping, Canvas& canvas,
 std::string TreatmentDesk::no_strokes() const {
     const Treating& t = state_.treating;
     if (!t.on) return {};
+    if (gone_) return "the treatment's folder is not where it was: put it back, or open it anew";
     if (t.checking) return "the treatment is being checked";
     if (!t.usable) return "the treatment is not as its log says: see Record";
     if (t.preview) return "apply the retouch that is previewed, or put it aside, before you paint";
@@ -361,8 +365,7 @@ bool TreatmentDesk::look() {
         }
     }
     if (!held_) return worked;
-    if (painter_->file() != fs::path(t.folder) / "painting.exr" &&
-        treatment_of(painter_->file()) != fs::path(t.folder)) {
+    if (painting_ != painter_->file()) {
         Painter* painter = painter_;
         setup_.say("saved as a painting of its own: the treatment stays as it was");
         shows(*painter);  // it was saved under another name
@@ -379,6 +382,10 @@ bool TreatmentDesk::look() {
             refresh();
         else if (confine_due_)
             confine();
+    }
+    if (const auto now = std::chrono::steady_clock::now(); now - looked_ >= kBetweenLooks) {
+        looked_ = now;
+        gone_ = treatment_of(painting_) != fs::path(t.folder);
     }
     t.no_strokes = no_strokes();
     DamageMap::Style style{{}, t.style, t.additions};

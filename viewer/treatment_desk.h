@@ -6,6 +6,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -182,6 +183,9 @@ private:
     float threshold_ = 0;
     std::optional<TreatmentState> state_shown_;
     std::shared_ptr<Keeping> keeping_ = std::make_shared<Keeping>();
+    std::filesystem::path painting_;  // that the painter had when the treatment was opened
+    bool gone_ = false;               // the folder, as was found last
+    std::chrono::steady_clock::time_point looked_{};
     std::string confined_by_;  // what the painter was confined by last
     bool refresh_due_ = false, confine_due_ = false, job_is_ours_ = false;
 };

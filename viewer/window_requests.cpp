@@ -41,10 +41,7 @@ void WindowApp::find_left_over(const std::filesystem::path& file) {
         say(fmt::format("{}: {} line{} damaged (line {}); the strokes of the others can be recovered",
                         std::filesystem::path(left_over_->source).filename().string(), left_over_->lines_lost,
                         left_over_->lines_lost == 1 ? " is" : "s are", left_over_->warnings.front().line));
-    const auto strokes = std::count_if(
-        left_over_->entries.begin(), left_over_->entries.end(),
-        [](const Journal::Entry& entry) { return std::holds_alternative<StrokeEvent>(entry.event); });
-    state_.left_over_strokes = std::max(1, static_cast<int>(strokes));
+    state_.left_over_strokes = std::max(1, strokes_left(left_over_->entries));
     state_.left_over_of_another = !is_of(*left_over_, painter_->saved_hash());
     if (state_.left_over_of_another)
         say(fmt::format("{}: its strokes are of another painting than {} is now; nothing is done with them",

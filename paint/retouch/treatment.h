@@ -77,9 +77,8 @@ struct Author {
 
 // Strokes that a step is of: with what is kept of them, they make its layers again by themselves.
 struct TreatmentStrokes {
-    std::string journal;                         // text; its masks are named in it
+    std::string journal;                         // text, with its paints; its masks are named in it
     std::map<std::string, std::string> masks{};  // name -> file (confining_mask.h)
-    std::string palette{};                       // file's text, where it is not the built-in one
     // Palette and brush as the strokes left them (tools_file.h), for the painting's file: those that this has
     // are what they went on from, and stay with the journal. Nothing: they began with none, and the file's
     // are as they were.

@@ -168,12 +168,17 @@ LogHold::LogHold(const fs::path& log) : file_(::open(log.c_str(), O_RDONLY | O_C
 
 LogHold::~LogHold() { ::close(file_); }
 
+// Its length tells lines that were added, the chain one that was edited.
 void TreatmentLog::require_unchanged(const LogHold& /*held*/) const {
-    std::error_code missing;
-    const std::uintmax_t size = fs::file_size(path_, missing);
-    if (missing) fail("{}: cannot be read: {}", path_.string(), missing.message());
-    if (size != seen_bytes_)
-        fail("{}: was changed by another program meanwhile; run the command again", path_.string());
+    const std::string text = read_text_file(path_);
+    std::vector<LogFault> faults;
+    bool torn = false;
+    const std::vector<LogEntry> now = chained_entries(text, faults, torn);
+    if (text.size() != seen_bytes_ || !faults.empty() || now.empty() || now.back().sha256 != head())
+        fail(
+            "{}: was changed by another program since it was read; nothing was done: read it again (run the "
+            "command, or open the treatment, anew)",
+            path_.string());
 }
 
 const LogEntry& TreatmentLog::append(json content) { return append(std::move(content), LogHold(path_)); }

@@ -73,7 +73,6 @@ std::vector<std::string> keep_strokes(const PendingStep& pending, const Treatmen
     };
     keep("journal", stem + ".jsonl", strokes.journal);
     for (const auto& [name, png] : strokes.masks) keep(nullptr, confining_mask_file(name), png);
-    if (!strokes.palette.empty()) keep("palette", stem + ".palette.json", strokes.palette);
     if (!strokes.tools) return names;
     std::vector<PartToWrite> before = tools_among(beside);
     if (!before.empty()) {

@@ -47,9 +47,8 @@ fs::path kept_file(const Treatment& treatment, const LogEntry& entry, const char
 // Which of the layers that a line brought are not what its strokes make; empty where all are.
 std::string differs(const Treatment& treatment, const LogEntry& entry, Canvas start, const Journal& journal,
                     const std::map<std::string, std::string>& before, const Progress& progress) {
-    const fs::path palette = kept_file(treatment, entry, "palette"),
-                   tools = kept_file(treatment, entry, "start");
-    Session session(std::move(start), palette.empty() ? artist_acrylics() : read_palette(palette));
+    const fs::path tools = kept_file(treatment, entry, "start");
+    Session session(std::move(start), artist_acrylics());
     session.masks_from(masks_beside(journal.source, session.canvas().width(), session.canvas().height()));
     if (!tools.empty()) read_tools(tools, session);
     replay(session, journal, progress);
@@ -69,17 +68,10 @@ std::string differs(const Treatment& treatment, const LogEntry& entry, Canvas st
 }  // namespace
 
 TreatmentStrokes strokes_within(const ConfiningMask& mask, const Journal& journal, const Session& session) {
-    std::string lines = journal_line(ConfineEvent{mask.name});
+    std::string lines = journal_line(paints_event(session.palette())) + journal_line(ConfineEvent{mask.name});
     for (const Journal::Entry& entry : journal.entries) lines += journal_line(entry.event);
     const Canvas& canvas = session.canvas();
-    return {journal_text({hash_of(canvas, hash_of(canvas.dry())), {}}, lines),
-            {{mask.name, mask.png}},
-            palette_to_keep(session.palette())};
-}
-
-std::string palette_to_keep(const Palette& palette) {
-    std::string text = palette_text(palette);
-    return text == palette_text(artist_acrylics()) ? std::string() : text;
+    return {journal_text({hash_of(canvas, hash_of(canvas.dry())), {}}, lines), {{mask.name, mask.png}}};
 }
 
 std::vector<std::string> strokes_that_cannot_be_repeated(const Treatment& treatment) {

@@ -12,11 +12,8 @@
 namespace tangi {
 
 // Strokes of a journal that are to be painted in a session, confined to a mask, with what makes them again:
-// before they are, with a clean brush and palette.
+// before they are, with a clean brush and palette, the session's paints.
 TreatmentStrokes strokes_within(const ConfiningMask& mask, const Journal& journal, const Session& session);
-
-// The text of the palette's file; empty for the built-in one.
-std::string palette_to_keep(const Palette& palette);
 
 // Journals under strokes/ that are as they were logged, and yet cannot be read, or hold a point of no stroke:
 // a line each, naming file and line. Those that are missing are the matter of Treatment::check().
