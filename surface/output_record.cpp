@@ -42,6 +42,14 @@ bool is_folder(const fs::path& path) {
     return ::lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
 }
 
+// A record in a stranger's folder may name links that lie there, too.
+bool leads_out(const fs::path& folder, const fs::path& path) {
+    std::error_code unknown;
+    const fs::path root = fs::weakly_canonical(folder, unknown),
+                   place = fs::weakly_canonical((folder / path).parent_path(), unknown);
+    return unknown || std::mismatch(root.begin(), root.end(), place.begin(), place.end()).first != root.end();
+}
+
 void rename_to(const fs::path& from, const fs::path& to, const fs::path& named) {
     if (::rename(from.c_str(), to.c_str()) != 0) cannot_be_placed(named);
 }
@@ -133,6 +141,12 @@ std::string new_record_name() {
     const std::string name = temporary_name("outputs", "");
     return name.substr(0, name.size() - std::string_view(".tmp").size()) +
            fmt::format("-{}{}", ++sets, kRecordEnd);
+}
+
+bool OutputRecord::stays_within(const fs::path& folder) const {
+    return std::none_of(moves.begin(), moves.end(), [&](const OutputMove& move) {
+        return leads_out(folder, move.from) || leads_out(folder, move.to);
+    });
 }
 
 std::optional<OutputRecord> record_in(const std::string& text) {

@@ -34,6 +34,8 @@ struct OutputRecord {
     std::vector<std::filesystem::path> elsewhere;  // of the first one: the other folders, relative to its own
 
     std::string text() const;
+    // Whether all that it names lies in the folder, wherever links there lead.
+    bool stays_within(const std::filesystem::path& folder) const;
 };
 
 // Whether a file may be a record by its name.

@@ -52,8 +52,8 @@ void settle_record(const fs::path& path) {
         RecordFile file(path);
         if (!file.is_there()) return;
         const std::optional<OutputRecord> record = record_in(read_text_file(path));
-        if (!record) return;  // not one of ours
         const fs::path folder = path.parent_path();
+        if (!record || !record->stays_within(folder)) return;  // not one of ours
         if (record->first && fs::exists(folder / *record->first / path.filename())) {
             first = folder / *record->first / path.filename();
         } else if (record->first) {
@@ -64,7 +64,8 @@ void settle_record(const fs::path& path) {
                 const fs::path beside = folder / other / path.filename();
                 RecordFile second(beside);
                 if (!second.is_there()) continue;
-                if (const auto its = record_in(read_text_file(beside)); its && its->first)
+                if (const auto its = record_in(read_text_file(beside));
+                    its && its->first && its->stays_within(beside.parent_path()))
                     finish(beside.parent_path(), *its);
                 second.remove();
             }

@@ -167,6 +167,26 @@ TEST(OutputSet, RecordsThatReachBeyondTheirFolderAreNone) {
         EXPECT_FALSE(record_in(good.text().substr(0, length))) << "cut off at " << length;
 }
 
+// As in an archive that somebody else packed.
+TEST(OutputSet, RecordsReachBeyondTheirFolderByNoLink) {
+    const TestDir dir;
+    fs::create_directories(dir / "stack/within");
+    fs::create_directory(dir / "mine");
+    write_bytes(dir / "mine/a", "mine");
+    fs::create_directory_symlink("../mine", dir / "stack/out");
+    fs::create_directory_symlink("within", dir / "stack/in");
+    const std::string record = new_record_name();
+    for (const char* to : {"out", "in"}) {
+        const std::string from = temporary_name("a", "");
+        write_bytes(dir / "stack" / from, "theirs");
+        const OutputRecord of{{{OutputMove::Kind::put, from, fs::path(to) / "a"}}, {}, {}};
+        write_bytes(dir / "stack" / record, of.text());
+        settle_outputs(dir / "stack");
+    }
+    EXPECT_EQ(bytes_of(dir / "mine/a"), "mine");
+    EXPECT_EQ(bytes_of(dir / "stack/within/a"), "theirs");
+}
+
 TEST(FolderFiles, OfANewFolderAreThereWithIt) {
     const TestDir dir;
     {
