@@ -287,6 +287,30 @@ TEST_F(Desks, StrokesOfACrashStopAtTheSameDamage) {
     EXPECT_EQ(state_.painter.outside_px, 0);
 }
 
+// Strokes of a sitting stay to be recovered where somebody else did a step meanwhile.
+TEST_F(Desks, AStepOfAnotherProgramIsSaid) {
+    begin();
+    Treating& t = state_.treating;
+    t.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    t.ask.keep = true;
+    settle();
+    stroke(0);
+    Mask mask(160, 160);
+    mask(80, 80) = 1;
+    Treatment::open(folder_ / "a.treatment")
+        .record({.action = "draw damage", .masks = {{"loss_to_ground", mask}}}, {"B", "test"});
+    painter_->save();
+    painter_->wait();
+    EXPECT_THAT(painter_->fetch().messages, testing::ElementsAre(HasSubstr("changed by another program")));
+    t.ask.fill = true;
+    settle();
+    EXPECT_THAT(said_.back(), HasSubstr("log"));
+    show(folder_ / "a.treatment" / "painting.exr");
+    settle();
+    EXPECT_TRUE(left_over(sitting_files(folder_ / "a.treatment" / "painting.exr")));
+}
+
 // Where the folder is gone, nobody knows where brushes are to stop.
 TEST_F(Desks, NothingIsPaintedWhileTheFolderIsElsewhere) {
     begin();

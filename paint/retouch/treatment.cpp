@@ -291,11 +291,13 @@ Mask Treatment::mask(const std::string& name) const {
     const auto found = files.find(treatment_mask(name).generic_string());
     if (found == files.end()) return Mask(width(), height());
     const fs::path path = folder_ / treatment_mask(name);
-    if (sha256_of_file(path) != found->second.first)
+    if (sha256_of_file(path) != found->second.first) {
+        log_.require_unchanged();  // or it is the mask of a line that is not known here
         fail(
             "{}: is not the mask that line {} of the log wrote; put that one back, and bring in what you "
             "changed with tangipaint damage --mask, so that it is logged",
             path.string(), found->second.second);
+    }
     return read_mask(path, width(), height());
 }
 

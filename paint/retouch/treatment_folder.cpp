@@ -231,7 +231,7 @@ void require_form(const TreatmentLog& log) {
 
 PendingStep::PendingStep(fs::path folder, const TreatmentLog& log)
     : folder_(std::move(folder)), held_(folder_ / kTreatmentLog) {
-    log.require_unchanged(held_);
+    log.require_unchanged();
     const fs::path pending = folder_ / kPending;
     clear_pending(pending);
     try {

@@ -169,7 +169,7 @@ LogHold::LogHold(const fs::path& log) : file_(::open(log.c_str(), O_RDONLY | O_C
 LogHold::~LogHold() { ::close(file_); }
 
 // Its length tells lines that were added, the chain one that was edited.
-void TreatmentLog::require_unchanged(const LogHold& /*held*/) const {
+void TreatmentLog::require_unchanged() const {
     const std::string text = read_text_file(path_);
     std::vector<LogFault> faults;
     bool torn = false;
@@ -183,8 +183,9 @@ void TreatmentLog::require_unchanged(const LogHold& /*held*/) const {
 
 const LogEntry& TreatmentLog::append(json content) { return append(std::move(content), LogHold(path_)); }
 
-const LogEntry& TreatmentLog::append(json content, const LogHold& held, const std::function<void()>& last) {
-    require_unchanged(held);
+const LogEntry& TreatmentLog::append(json content, const LogHold& /*held*/,
+                                     const std::function<void()>& last) {
+    require_unchanged();
     content["previous"] = head();
     const Line line = sealed(content);
     {

@@ -65,7 +65,9 @@ public:
     // `last` is called when the line is on the disk: what it throws takes the line back.
     const LogEntry& append(nlohmann::json content, const LogHold& held,
                            const std::function<void()>& last = {});
-    void require_unchanged(const LogHold& held) const;
+    // Throws Error where it was changed by somebody else since it was opened; while it is held, that is
+    // final.
+    void require_unchanged() const;
     bool is_as_long_as_known() const;
     // Of a last line that a crash left without its head, and that is known to be of this program: writes it.
     void complete_head(const LogHold& held) const;
