@@ -11,6 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 using DesksStrokes = TreatmentDesks;
+using testing::HasSubstr;
 
 // With its journal, a step keeps what its strokes went on from: the brush as the step before left it, and the
 // masks that brushes stopped at, which may change in the midst of it.
@@ -108,6 +109,78 @@ TEST_F(DesksStrokes, WhatWasOnlyMixedStaysInTheJournal) {
     ASSERT_EQ(journal->entries.size(), 2u);
     EXPECT_TRUE(std::holds_alternative<PaintsEvent>(journal->entries[0].event));
     EXPECT_TRUE(std::holds_alternative<PaletteEvent>(journal->entries[1].event));
+}
+
+// Strokes of a sitting stay to be recovered where somebody else did a step meanwhile.
+TEST_F(DesksStrokes, AStepOfAnotherProgramIsSaid) {
+    begin();
+    Treating& t = state_.treating;
+    t.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    t.ask.keep = true;
+    settle();
+    stroke(0);
+    Mask mask(160, 160);
+    mask(80, 80) = 1;
+    Treatment::open(folder_ / "a.treatment")
+        .record({.action = "draw damage", .masks = {{"loss_to_ground", mask}}}, {"B", "test"});
+    painter_->save();
+    painter_->wait();
+    EXPECT_THAT(painter_->fetch().messages, testing::ElementsAre(HasSubstr("changed by another program")));
+    t.ask.fill = true;
+    settle();
+    EXPECT_THAT(said_.back(), HasSubstr("log"));
+    show(folder_ / "a.treatment" / "painting.exr");
+    settle();
+    EXPECT_TRUE(left_over(sitting_files(folder_ / "a.treatment" / "painting.exr")));
+}
+
+// Where the folder is gone, nobody knows where brushes are to stop.
+TEST_F(DesksStrokes, NothingIsPaintedWhileTheFolderIsElsewhere) {
+    begin();
+    state_.treating.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    state_.treating.ask.keep = true;
+    settle();
+    ASSERT_EQ(state_.treating.no_strokes, "");
+    const auto look_again = [this] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));
+        settle();
+    };
+    fs::rename(folder_ / "a.treatment", folder_ / "b.treatment");
+    look_again();
+    EXPECT_THAT(state_.treating.no_strokes, HasSubstr("not where it was"));
+    EXPECT_TRUE(state_.treating.on) << "it is no painting without a treatment";
+    fs::rename(folder_ / "b.treatment", folder_ / "a.treatment");
+    look_again();
+    EXPECT_EQ(state_.treating.no_strokes, "");
+    stroke(0);
+    EXPECT_GT(state_.painter.painted_px, 50);
+    EXPECT_EQ(state_.painter.outside_px, 0);
+}
+
+TEST_F(DesksStrokes, StrokesOfACrashStopAtTheSameDamage) {
+    begin();
+    Treating& t = state_.treating;
+    t.where = {DamageClass::abrasion};
+    t.current = DamageClass::abrasion;
+    t.brush_mm = 12;
+    draw(70, 80, 90, 80);
+    t.ask.keep = true;
+    settle();
+    stroke(0);
+    const int painted = state_.painter.painted_px;
+    EXPECT_GT(painted, 50);
+    const fs::path file = folder_ / "a.treatment" / "painting.exr";
+    show(file);  // without saving
+    settle();
+    EXPECT_EQ(t.where, std::set<DamageClass>{DamageClass::abrasion});
+    auto journal = left_over(sitting_files(file));
+    ASSERT_TRUE(journal);
+    painter_->recover(std::move(*journal));
+    settle();
+    EXPECT_EQ(state_.painter.painted_px, painted);
+    EXPECT_EQ(state_.painter.outside_px, 0);
 }
 
 }  // namespace

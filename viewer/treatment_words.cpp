@@ -25,6 +25,23 @@ std::string in_panel_words(const std::string& text) {
     return words;
 }
 
+std::string TreatmentDesk::no_strokes() const {
+    const Treating& t = state_.treating;
+    if (!t.on) return {};
+    if (gone_) return "the treatment's folder is not where it was: put it back, or open it anew";
+    if (t.checking) return "the treatment is being checked";
+    if (!t.usable) return "the treatment is not as its log says: see Record";
+    if (t.preview) return "apply the retouch that is previewed, or put it aside, before you paint";
+    if (t.state) return "a state of the treatment is shown: choose Now before you paint";
+    if (confine_due_ || refresh_due_ || (job_ && job_is_ours_)) return "the mask is being made ready";
+    if (t.confined && t.where.empty()) return "choose the damage that is retouched: Steps, Works on";
+    const bool mapped = std::any_of(t.damage.begin(), t.damage.end(), [&](const DamageRow& row) {
+        return row.there && t.where.contains(row.damage);
+    });
+    if (t.confined && !mapped) return "no such damage is on the map yet: suggest or draw it, panel Damage";
+    return {};
+}
+
 const char* title_of(DamageClass damage) {
     constexpr std::array<const char*, kDamageClasses.size()> titles = {
         "Loss to ground", "Loss to support", "Abrasion",  "Craquelure",
