@@ -1,4 +1,5 @@
 // replay_command.cpp: tangipaint replay [PAINTING.exr | --substrate NAME] STROKES.jsonl --out OUT.exr
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
@@ -7,6 +8,7 @@
 #include "cli/substrate_arguments.h"
 #include "cli/time_lapse.h"
 #include "paint/canvas_file.h"
+#include "paint/canvas_hash.h"
 #include "paint/retouch/confining_mask.h"
 #include "paint/session.h"
 #include "paint/tools_file.h"
@@ -33,6 +35,17 @@ struct ReplayArguments {
 Canvas canvas_of(const ReplayArguments& a, const Progress& progress) {
     if (!a.substrate.given()) return read_canvas(a.files.front(), progress, a.mm_per_pixel);
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
+}
+
+// A journal that says which paints it is painted with is not painted with others.
+void refuse_palette(const Journal& journal) {
+    const auto first = std::ranges::find_if(journal.entries, [](const Journal::Entry& entry) {
+        return names_paints(entry.event) || std::holds_alternative<PaintsEvent>(entry.event);
+    });
+    if (first != journal.entries.end() && std::holds_alternative<PaintsEvent>(first->event))
+        throw UsageError(fmt::format(
+            "--palette: {}:{} says which paints the strokes are of; leave the flag out, or that line",
+            journal.source, first->line));
 }
 
 nlohmann::json run_replay(const ReplayArguments& a) {
@@ -68,6 +81,7 @@ nlohmann::json run_replay(const ReplayArguments& a) {
     AtomicFile out(a.out);  // that it can be written is known before the work
     std::optional<AtomicFile> board;
     if (!a.board.empty()) board.emplace(a.board);
+    if (!a.palette.empty()) refuse_palette(journal);
     Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
     session.masks_from(masks_beside(strokes, session.canvas().width(), session.canvas().height()));
     if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
@@ -75,6 +89,13 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         warnings.push_back(fmt::format(
             "{}: its scale is unknown: a pixel is taken for one mm; give --mm-per-pixel", a.files.front()));
     const std::string dry_hash = hash_of(session.canvas().dry());
+    if (!a.substrate.given() && !journal.head.on.empty() &&
+        journal.head.on != hash_of(session.canvas(), dry_hash))
+        warnings.push_back(
+            fmt::format("{}: goes on from another painting than {} is, as its first line says; its strokes "
+                        "are laid all the "
+                        "same",
+                        strokes, a.files.front()));
     const auto start = std::chrono::steady_clock::now();
     std::optional<TimeLapse> frames;
     if (a.frames.given()) frames.emplace(a.frames, journal, session);

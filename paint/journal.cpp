@@ -141,6 +141,8 @@ private:
             journal_.warnings.push_back({line_, "the last line is cut short, as by a crash; it is left out"});
             return;
         }
+        if (object->is_object() && object->contains("format") && !object->contains("event"))
+            fail("{}: another journal begins here; replay each by itself, one after the other", where());
         Event event = event_from_json(*object, where(), presets_);
         if (auto* stroke = std::get_if<StrokeEvent>(&event)) {
             // Strokes of one seed have the same streaks.

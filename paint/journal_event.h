@@ -78,11 +78,12 @@ struct ConfineEvent {
 struct PaintsEvent {
     std::shared_ptr<const Palette> palette;  // null, and no "palette": artist_acrylics()
 };
+struct WashEvent {};  // {"event": "wash"}: nothing is on the brush any more
 using Event = std::variant<StrokeEvent, PointEvent, EndEvent, UndoEvent, RedoEvent, DryEvent, LiftEvent,
-                           PileEvent, PaletteEvent, ConfineEvent, PaintsEvent>;
+                           PileEvent, PaletteEvent, ConfineEvent, PaintsEvent, WashEvent>;
 
 PaintsEvent paints_event(const Palette& palette);
-// Whether it does nothing to the painting, but says what later events mean.
+// Whether it does nothing to painting and palette, but changes what later events do.
 bool is_setting(const Event& event);
 bool names_paints(const Event& event);
 

@@ -291,6 +291,7 @@ struct ToJson {
         if (!e.mask.empty()) result["mask"] = e.mask;
         return result;
     }
+    json operator()(const WashEvent&) const { return {{"event", "wash"}}; }
     json operator()(const PaintsEvent& e) const {
         json result = {{"event", "paints"}};
         if (e.palette) result["palette"] = json::parse(palette_text(*e.palette));
@@ -302,7 +303,8 @@ struct ToJson {
 
 std::string_view name_of(const Event& event) {
     static constexpr std::array<std::string_view, std::variant_size_v<Event>> names = {
-        "stroke", "point", "end", "undo", "redo", "dry", "lift", "pile", "palette", "confine", "paints"};
+        "stroke", "point", "end",     "undo",    "redo",   "dry",
+        "lift",   "pile",  "palette", "confine", "paints", "wash"};
     return names[event.index()];
 }
 
@@ -312,7 +314,8 @@ PaintsEvent paints_event(const Palette& palette) {
 }
 
 bool is_setting(const Event& event) {
-    return std::holds_alternative<ConfineEvent>(event) || std::holds_alternative<PaintsEvent>(event);
+    return std::holds_alternative<ConfineEvent>(event) || std::holds_alternative<PaintsEvent>(event) ||
+           std::holds_alternative<WashEvent>(event);
 }
 
 bool names_paints(const Event& event) {
@@ -351,10 +354,12 @@ Event event_from_json(const json& object, const std::string& where,
         event = confine_from(fields, where);
     else if (kind == "paints")
         event = paints_from(fields, where);
+    else if (kind == "wash")
+        event = WashEvent{};
     else
         fail(
             "{}: there is no event {}; there are: stroke, point, end, undo, redo, dry, lift, pile, palette, "
-            "confine, paints",
+            "confine, paints, wash",
             where, shown(kind));
     fields.end();
     return event;

@@ -24,13 +24,14 @@ Session::Session(std::shared_ptr<const Surface> dry, Palette palette, std::size_
 Session::Session(Canvas canvas, Palette palette, std::size_t undo_bytes)
     : canvas_(std::move(canvas)), palette_(std::move(palette)), history_(undo_bytes) {}
 
-void Session::take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place) {
+void Session::take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place, bool goes_on) {
     TP_REQUIRE(!board_ && !brush_ && !stroke_, "a sitting takes up another before it begins");
     TP_REQUIRE(!brush || place == Place::painting || board, "a brush was used where there is a canvas");
     board_ = std::move(board);
     brush_ = std::move(brush);
     brush_place_ = place;
     hand_ = kept(brush_.get(), place);
+    goes_on_ = brush_ && goes_on;
 }
 
 Canvas& Session::on(Place place) {
@@ -107,6 +108,7 @@ void Session::warn_of_what_is_not_used(const StrokeEvent& event) {
 Brush& Session::tool_for(const StrokeEvent& event, Canvas& canvas) {
     warn_of_what_is_not_used(event);
     if (!event.brush.erases) {
+        goes_on_ = event.on == Place::palette || event.start == BrushStart::same;
         take_brush(event, canvas);
         return *brush_;
     }
@@ -293,6 +295,13 @@ void Session::take_hand(const std::optional<BrushInHand>& hand) {
     hand_ = hand;
 }
 
+void Session::wash() {
+    brush_.reset();
+    hand_.reset();
+    brush_place_ = Place::painting;
+    goes_on_ = false;
+}
+
 void Session::apply(const Event& event) {
     if (const auto* point = std::get_if<PointEvent>(&event)) {
         if (order_.fit(event) == EventOrder::Fit::nowhere) fail("{}", why_nowhere(order_));
@@ -320,6 +329,8 @@ void Session::apply(const Event& event) {
         confine(*mask);
     } else if (const auto* paints = std::get_if<PaintsEvent>(&event)) {
         palette_ = paints->palette ? *paints->palette : artist_acrylics();
+    } else if (std::holds_alternative<WashEvent>(event)) {
+        wash();
     }
     order_.take(event);
 }

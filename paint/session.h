@@ -28,7 +28,7 @@ public:
 
     // Goes on with what an earlier sitting left: its palette, and the brush with what is on it, whose paints
     // have the numbers of the ingredients at `place`. Before anything is painted.
-    void take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place);
+    void take_up(std::optional<Canvas> board, std::unique_ptr<Brush> brush, Place place, bool goes_on);
 
     // Where the masks that events name are taken from, by their names.
     using Masks = std::function<std::shared_ptr<const Image<float>>(const std::string& name)>;
@@ -65,6 +65,9 @@ public:
     // numbers of that canvas's ingredients.
     const Brush* brush() const { return brush_.get(); }
     Place brush_place() const { return brush_place_; }
+    // The last stroke mixed paint on the palette, or went on with what was on the brush: who paints on goes
+    // on with what is on it, and does not load it anew.
+    bool brush_goes_on() const { return goes_on_; }
     // A stroke has begun and not ended.
     bool in_stroke() const { return order_.in_stroke(); }
 
@@ -90,6 +93,7 @@ private:
     void redo();
     void confine(const ConfineEvent& event);
     void take_hand(const std::optional<BrushInHand>& hand);
+    void wash();
     void warn_of_no_effect(bool changed);
 
     Canvas canvas_;
@@ -99,6 +103,7 @@ private:
     std::unique_ptr<Brush> brush_;
     std::optional<BrushInHand> hand_;  // the brush as the last stroke left it
     Place brush_place_ = Place::painting, stroke_place_ = Place::painting;
+    bool goes_on_ = false;
     std::unique_ptr<Brush> eraser_;  // of the stroke under way, beside what is in the hand
     std::optional<Stroke> stroke_;
     Totals totals_;

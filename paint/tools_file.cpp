@@ -21,17 +21,18 @@ using nlohmann::json;
 
 constexpr const char *kPalette = "palette", *kBrush = "brush", *kTotal = "total";
 
-PartToWrite part_of(const Brush& brush, Place place) {
+PartToWrite part_of(const Brush& brush, Place place, bool goes_on) {
     PartToWrite part;
     const int size = brush.grid_size();
     const auto load = std::make_shared<const BrushLoad>(brush.bristles());
     part.info = {kBrush, size, size, {kTotal}, {}};
     for (const IngredientId id : load->ingredients) part.info.channels.push_back(volume_channel(id));
-    part.info.attributes["brush"] = json{{"settings", brush_to_json(brush.settings())},
-                                         {"seed", brush.seed()},
-                                         {"rotation_rad", load->rotation_rad},
-                                         {"on", place == Place::painting ? "painting" : "palette"}}
-                                        .dump();
+    part.info.attributes["brush"] = json{
+        {"settings", brush_to_json(brush.settings())},
+        {"seed", brush.seed()},
+        {"rotation_rad", load->rotation_rad},
+        {"on", place == Place::painting ? "painting" : "palette"},
+        {"goes_on", goes_on}}.dump();
     part.fill = [load, size](int y0, int y1, std::span<float* const> planes) {
         const auto copy = [&](const std::vector<float>& from, float* to) {
             std::copy_n(from.data() + static_cast<std::ptrdiff_t>(y0) * size,
@@ -75,6 +76,7 @@ bool is_tool(const PartToWrite& part) { return part.info.name == kPalette || par
 struct ReadBrush {
     std::unique_ptr<Brush> brush;
     Place place = Place::painting;
+    bool goes_on = false;
 };
 
 ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& painting,
@@ -93,6 +95,7 @@ ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& p
     if (on != "painting" && on != "palette")
         fail("{}: 'on' is {}, not painting or palette", where, shown(on));
     hand.place = on == "painting" ? Place::painting : Place::palette;
+    hand.goes_on = about.value("goes_on", json()) == true;
     if (hand.place == Place::palette && !board)
         fail("{}: it was used on a palette, which is not there", where);
     const Canvas& canvas = hand.place == Place::palette ? *board : painting;
@@ -146,7 +149,8 @@ ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& p
 std::vector<PartToWrite> tools_of(const Session& session) {
     std::vector<PartToWrite> tools;
     if (session.board()) tools.push_back(part_of(*session.board()));
-    if (session.brush()) tools.push_back(part_of(*session.brush(), session.brush_place()));
+    if (session.brush())
+        tools.push_back(part_of(*session.brush(), session.brush_place(), session.brush_goes_on()));
     return tools;
 }
 
@@ -175,7 +179,7 @@ void read_tools(const fs::path& path, Session& session, const Progress& progress
             board.emplace(read_board(path, part, session.canvas().mm_per_pixel(), progress));
     for (const PartInfo& part : parts)
         if (part.name == kBrush) hand = read_brush(path, part, session.canvas(), board);
-    session.take_up(std::move(board), std::move(hand.brush), hand.place);
+    session.take_up(std::move(board), std::move(hand.brush), hand.place, hand.goes_on);
 }
 
 }  // namespace tangi

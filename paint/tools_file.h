@@ -4,8 +4,8 @@
 //
 // Part `palette`: as part `wet` (paint_parts.h), of the palette's own size, with ingredients of its own. Part
 // `brush`: the bristles' loads (`volume.NNNNN` and `total`, mm), row by row; its attribute `brush` is JSON:
-// settings, seed, rotation_rad, and on which canvas it was used last (`painting` or `palette`), whose
-// ingredients the numbers are of.
+// settings, seed, rotation_rad, on which canvas it was used last (`painting` or `palette`), whose ingredients
+// the numbers are of, and goes_on (Session::brush_goes_on()).
 #pragma once
 
 #include <filesystem>

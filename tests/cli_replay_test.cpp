@@ -371,5 +371,26 @@ TEST(CliReplay, ADamagedLineIsLeftOutWhereThatIsAskedFor) {
                 HasSubstr("a.jsonl:6: cannot be read, and is left out"));
 }
 
+// What a journal says of itself is not overruled without a word.
+TEST(CliReplay, OfAnotherPaintingOrPaletteThanTheJournalSaysIsTold) {
+    const Folder f;
+    const std::string strokes = "{\"event\": \"paints\"}\n" + kStroke;
+    write_bytes(
+        f.dir / "p.json",
+        "{\"format\": \"tangipaint palette\", \"version\": 1, \"name\": \"mine\", \"paints\": [{\"name\": "
+        "\"Pyrrole Red\", \"srgb\": \"#b02018\"}]}");
+    EXPECT_TRUE(ended(f.replay(kHeader + strokes, {"--palette", f.path("p.json")}), 2,
+                      {"--palette", "a.jsonl:2", "leave the flag out"}));
+    ASSERT_TRUE(ended(f.replay(kHeader + kStroke, {"--palette", f.path("p.json")}), 0));
+    const std::string other = f.journal(
+        "{\"format\": \"tangipaint strokes\", \"version\": 1, \"on\": \"0123456789abcdef\"}\n" + strokes,
+        "b.jsonl");
+    const Finished told = tangipaint({"replay", f.path("a.exr"), other, "--out", f.path("b.exr")});
+    ASSERT_TRUE(ended(told, 0));
+    EXPECT_THAT(told.json()["warnings"].dump(), testing::HasSubstr("another painting"));
+    EXPECT_TRUE(
+        ended(f.replay(kHeader + strokes + kHeader + strokes), 1, {"a.jsonl:", "another journal begins"}));
+}
+
 }  // namespace
 }  // namespace tangi

@@ -69,6 +69,7 @@ std::vector<Event> some_events() {
             palette,
             all,
             PaletteEvent{},
+            WashEvent{},
             PaintsEvent{},
             paints_event({"mine", "", {pigment_of_rgb("Sky", Rgb(0.02f, 0.05f, 0.9f), 0.05f)}})};
 }

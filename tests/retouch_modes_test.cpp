@@ -350,6 +350,46 @@ TEST(Eye, LeavesPlainColoursAsTheyAre) {
         EXPECT_LT(delta_e_2000(lab_from_linear(c), lab_from_linear(plain(0, 0))), 0.05);
 }
 
+// White, black and red strokes on green: as people are shown it from afar, grey stays grey, and no colour
+// comes about that none of it has.
+TEST(Eye, ShowsNoColoursThatAreNotThere) {
+    const auto strokes = [](const Rgb& ground, const Rgb& third) {
+        Image<Rgb> picture(160, 120, ground);
+        for (int y = 10; y < 110; ++y)
+            for (int x = 0; x < 160; ++x) {
+                if (x >= 30 && x < 50) picture(x, y) = Rgb(0.85f);
+                if (x >= 70 && x < 80) picture(x, y) = Rgb(0.02f);
+                if (x >= 110 && x < 118) picture(x, y) = third;
+            }
+        return picture;
+    };
+    for (const double distance_m : {0.5, 1.0, 2.0, 5.0}) {
+        const Image<Rgb> grey = shown_from(strokes(Rgb(0.2f), Rgb(0.5f)), 0.25, distance_m);
+        for (const Rgb& c : grey.pixels())
+            EXPECT_LT(std::max({c.r, c.g, c.b}) - std::min({c.r, c.g, c.b}), 1e-4f);
+        const Rgb ground(0.05f, 0.25f, 0.08f), red(0.5f, 0.05f, 0.05f);
+        const Image<Rgb> seen = shown_from(strokes(ground, red), 0.25, distance_m);
+        for (const Rgb& c : seen.pixels()) {
+            const float all = c.r + c.g + c.b;
+            if (all < 0.01f) continue;  // black has no colour
+            EXPECT_LT(c.b / all, 0.36f) << "nothing is blue";
+            EXPECT_GT(c.b / all, 0.05f);
+            EXPECT_LT(c.g / all, 0.70f) << "nothing is greener than the ground";
+            EXPECT_LT(c.r / all, 0.88f);
+        }
+    }
+}
+
+// Lines of two colours become the mean of both.
+TEST(Eye, ShowsFineLinesAsTheirMean) {
+    const Rgb a(0.5f, 0.1f, 0.1f), b(0.1f, 0.3f, 0.1f);
+    Image<Rgb> lines(200, 60);
+    for (int y = 0; y < 60; ++y)
+        for (int x = 0; x < 200; ++x) lines(x, y) = x % 2 == 0 ? a : b;
+    const Image<Rgb> seen = shown_from(lines, 0.2, 5);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen(100, 30)[c], (a[c] + b[c]) / 2, 0.01f);
+}
+
 // Vertical bars of black and white, with their mean as target.
 Fusion fusion_of_bars(int pitch_px) {
     Image<Rgb> bars(240, 120), grey(240, 120, Rgb(0.25f));

@@ -150,6 +150,69 @@ TEST_F(PainterTest, ProbesAndPicks) {
     EXPECT_EQ(news.probe->paint_mm, 0);
 }
 
+// What is probed is what is seen.
+TEST_F(PainterTest, ProbesTheStateThatIsShown) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    stroke();
+    painter_->show_as([](const Canvas& canvas) { return Canvas(canvas.dry_shared()); });
+    painter_->probe(100, 75);
+    const PainterNews before = settle();
+    ASSERT_TRUE(before.probe);
+    EXPECT_EQ(before.probe->paint_mm, 0);
+    EXPECT_TRUE(before.probe->recipe.empty());
+    painter_->show_as({});
+    painter_->probe(100, 75);
+    const PainterNews now = settle();
+    EXPECT_GT(now.probe->paint_mm, 0);
+}
+
+// Who mixed paint on the palette goes on with it, whatever comes between; who washed the brush, does not.
+TEST_F(PainterTest, WhatIsOnTheBrushIsThereWhenItIsOpenedAgain) {
+    write_painting(file_, *flat_surface(200, 150));
+    open();
+    EXPECT_EQ(settle().brush_goes_on, false);
+    stroke();
+    PileEvent pile;
+    pile.paint = {{"Cadmium Red Light", 1}};
+    painter_->send(pile);
+    const auto dip = [&] {
+        StrokeEvent event;
+        event.brush = even_brush();
+        event.on = Place::palette;
+        painter_->send(event);
+        for (int i = 0; i <= 20; ++i)
+            painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = i - 10.0, .y_mm = 0}});
+        painter_->send(EndEvent{});
+    };
+    dip();
+    const PainterState dipped = settle().state;
+    ASSERT_GT(dipped.on_brush.fill, 0);
+    painter_->save();
+    settle();
+    open();
+    PainterNews again = settle();
+    EXPECT_EQ(again.brush_goes_on, true);
+    EXPECT_EQ(again.state.on_brush, dipped.on_brush);
+    stroke();
+    settle();
+    dip();
+    settle();
+    painter_.reset();
+    open();
+    EXPECT_EQ(settle().brush_goes_on, true) << "as in the file";
+    painter_->recover(std::move(*left_over(sitting_files(file_))));
+    EXPECT_EQ(settle().brush_goes_on, true);
+    painter_->send(WashEvent{});
+    again = settle();
+    EXPECT_EQ(again.state.on_brush, OnBrush());
+    painter_->save();
+    settle();
+    EXPECT_TRUE(recorded_as_saved(file_));
+    open();
+    EXPECT_EQ(settle().brush_goes_on, false);
+}
+
 TEST_F(PainterTest, WhatMakesNoSenseIsSaidAndNothingElse) {
     write_painting(file_, *flat_surface(200, 150));
     open();

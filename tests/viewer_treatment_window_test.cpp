@@ -115,6 +115,8 @@ TEST_F(TreatmentWindow, TheWholeSequence) {
     rest();
     EXPECT_GT(Screen::difference(filled, screen_->picture(), {kX - 100, kY - 24, kX - 80, kY - 16}), 0.01)
         << "within the damage there is paint";
+    screen_->key("n");  // saved all the same while a state is shown
+    rest();
     screen_->key("ctrl+s");
     ASSERT_TRUE(becomes_logged("retouch"));
     screen_->key("ctrl+shift+i");

@@ -55,6 +55,8 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
     for (const DriedLayer& layer : session_.canvas().dried()) own_.layers.push_back(layer.name);
     mark_saved();
     note_what_is_saved();
+    weigh_brush();
+    news_.brush_goes_on = session_.brush_goes_on();
     news_.state = own_;
 }
 

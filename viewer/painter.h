@@ -77,6 +77,8 @@ struct PainterNews {
     std::optional<RegionStatistics> statistics;
     std::vector<std::string> messages;  // errors, and what was done
     bool needs_name = false;            // it was not saved: another painting lies at its place
+    // A painting was opened, or strokes recovered: whether one paints on with what is on the brush.
+    std::optional<bool> brush_goes_on;
     PainterState state;
 };
 

@@ -28,12 +28,13 @@ bool lies_bare(const Canvas& canvas, int x, int y) {
 }  // namespace
 
 Probe Painter::look_at(int x, int y, double radius_px) {
+    const Canvas& seen = shown_ ? *shown_ : session_.canvas();
     Probe probe{.x = x, .y = y, .material = material_at(surface(), x, y)};
-    const Recipe recipe = recipe_at(session_.canvas(), x, y, radius_px);
+    const Recipe recipe = recipe_at(seen, x, y, radius_px);
     probe.paint_mm = recipe.thickness_mm;
     for (const Portion& portion : recipe.portions)
-        probe.recipe.emplace_back(session_.canvas().ingredients()[portion.ingredient].name, portion.part);
-    if (errors_ && probe.paint_mm == 0 && lies_bare(session_.canvas(), x, y)) {
+        probe.recipe.emplace_back(seen.ingredients()[portion.ingredient].name, portion.part);
+    if (errors_ && probe.paint_mm == 0 && lies_bare(seen, x, y)) {
         const std::span<const float> values = errors_->at(x, y);
         for (std::size_t c = 0; c < values.size(); ++c)
             for (const auto& [name, member] : kErrors)
@@ -45,6 +46,7 @@ Probe Painter::look_at(int x, int y, double radius_px) {
 // What is left on the brush: several times a second while it paints.
 void Painter::weigh_brush() {
     const Brush* brush = session_.brush();
+    if (!brush) own_.on_brush = {};
     if (!brush) return;
     const auto now = std::chrono::steady_clock::now();
     if (own_.stroking && now - weighed_ < kBetweenWeighings) return;

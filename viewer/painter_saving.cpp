@@ -128,6 +128,10 @@ void Painter::recover(Journal journal) {
         }
         const bool all_of_it = why.empty() && journal.lines_lost == 0 && is_of(journal, saved_hash_);
         keep_record([&] { record_.take_over(painted, all_of_it); });
+        {
+            const std::lock_guard lock(mutex_);
+            news_.brush_goes_on = session_.brush_goes_on();
+        }
         const int strokes = strokes_left(painted);
         std::string told = fmt::format("recovered {} stroke{}", strokes, strokes == 1 ? "" : "s");
         if (journal.lines_lost > 0)

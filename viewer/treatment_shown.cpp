@@ -85,7 +85,7 @@ void TreatmentDesk::see_from() {
               const Transfer srgb{Transfer::Kind::srgb};
               Image<Rgb> far = near;
               for (Rgb& c : far.pixels()) c = srgb.decode(c);
-              far = seen_from(far, mm * reduced, distance_m);
+              far = shown_from(far, mm * reduced, distance_m);
               for (Rgb& c : far.pixels()) c = srgb.encode(glm::max(c, Rgb(0)));
               HeldPair pair{"from near", fmt::format("from {:.1f} m", distance_m), pair_of(near, far)};
               return [this, pair = std::move(pair)] { hold(pair); };

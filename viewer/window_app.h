@@ -43,6 +43,7 @@ private:
     void news();
     void requests();
     void do_requests(const WindowState::Requests& ask);
+    void save(const WindowState::Requests& ask);
     void loupe(const Scene& scene);
     void warm_up();
     void warm_up_table();

@@ -183,7 +183,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     painter_->start(std::move(opened.tiles));
     painter_->make_horizon();
     shown_in_ = Illuminant::d65;
-    state_.painter = painter_->fetch().state;
+    news();
     // The journal of another window is no left-over.
     if (!state_.painter.elsewhere) find_left_over(opened.file);
     desk_->shows(*painter_);

@@ -169,4 +169,39 @@ void WindowApp::canvas_requests(const WindowState::Requests& ask) {
     if (ask.begin_canvas) begin_canvas();
 }
 
+// True where the painter has done what was sent, and what became of it is known; else the panels say how far
+// it is, and it is to be asked again.
+bool WindowApp::painted_all() {
+    const bool done = painter_->idle();
+    news();
+    const std::size_t left = state_.painter.waiting;
+    if (done)
+        state_.finishing.reset();
+    else
+        state_.finishing = {std::max(state_.finishing ? state_.finishing->all : 0, left + 1), left};
+    if (!done && now_s_ - progress_s_ > kProgress_s) {
+        settle_ = std::max(settle_, 1);
+        progress_s_ = now_s_;
+    }
+    return done;
+}
+
+// What to do about a window that is to be closed: true where it may.
+bool WindowApp::closing() {
+    if (!glfwWindowShouldClose(window_.handle())) return false;
+    hand_->let_go();  // in mid-stroke: the stroke ends here
+    if (close_unsaved_) return true;
+    if (close_when_saved_) treating_->keep_now();
+    if (close_when_saved_ || !state_.closing) {
+        if (!painted_all()) return false;
+        close_when_saved_ = false;
+    }
+    const bool writes = desk_->writes() || recorder_;
+    if (!state_.painter.unsaved && state_.treating.edits == 0 && !writes) return true;
+    state_.closing = true;  // asks
+    glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
+    settle_ = kFramesAfterwards;
+    return false;
+}
+
 }  // namespace tangi

@@ -73,6 +73,10 @@ void WindowApp::take_board(std::vector<BoardPatch> patches) {
 }
 
 void WindowApp::board_requests(const WindowState::Requests& ask) {
+    if (ask.wash) {
+        painter_->send(WashEvent{});
+        state_.board.carried = Carried::nothing;
+    }
     if (ask.lay_out || ask.wipe_board) {
         PaletteEvent event;
         event.all_paints = ask.lay_out;
@@ -86,10 +90,30 @@ void WindowApp::board_requests(const WindowState::Requests& ask) {
     painter_->squeeze(std::move(pile));
 }
 
+// What is saved is seen.
+void WindowApp::save(const WindowState::Requests& ask) {
+    if ((!ask.save && ask.save_as.empty()) || state_.finishing) return;
+    if (state_.left_over_strokes > 0) {
+        say("first recover or put aside the strokes of the last sitting");
+        return;
+    }
+    if (state_.treating.preview) {
+        say("first apply the retouch that is previewed, or put it aside");
+        return;
+    }
+    if (state_.treating.state) {
+        state_.treating.state.reset();
+        painter_->show_as({});
+    }
+    if (ask.save) painter_->save();
+    if (!ask.save_as.empty()) painter_->save_as(ask.save_as);
+}
+
 void WindowApp::news() {
     PainterNews news = painter_->fetch();
     if (news.state.saves != state_.painter.saves) desk_->remember(painter_->file());
     state_.painter = news.state;
+    if (news.brush_goes_on) state_.board.carried = *news.brush_goes_on ? Carried::taken_up : Carried::nothing;
     const std::string name = title_of(painter_->file());
     if (name != state_.title) {  // it was saved under another
         state_.title = name;
@@ -330,8 +354,7 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
     if (ask.snapshot) snapshot();
     if (!ask.film.empty()) begin_film(ask.film);
     if (ask.stop_film && recorder_) recorder_->stop();
-    if (ask.save && !blocked) painter_->save();
-    if (!ask.save_as.empty() && !blocked) painter_->save_as(ask.save_as);
+    save(ask);
     if (ask.stay) {
         desk_->use_palette(state_.palette);  // if another one was to come with opening it again
         glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
@@ -354,41 +377,6 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
     if (ask.close && ask.save) close_when_saved_ = true;
     if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
     if (ask.close_unsaved) close_unsaved_ = true;
-}
-
-// True where the painter has done what was sent, and what became of it is known; else the panels say how far
-// it is, and it is to be asked again.
-bool WindowApp::painted_all() {
-    const bool done = painter_->idle();
-    news();
-    const std::size_t left = state_.painter.waiting;
-    if (done)
-        state_.finishing.reset();
-    else
-        state_.finishing = {std::max(state_.finishing ? state_.finishing->all : 0, left + 1), left};
-    if (!done && now_s_ - progress_s_ > kProgress_s) {
-        settle_ = std::max(settle_, 1);
-        progress_s_ = now_s_;
-    }
-    return done;
-}
-
-// What to do about a window that is to be closed: true where it may.
-bool WindowApp::closing() {
-    if (!glfwWindowShouldClose(window_.handle())) return false;
-    hand_->let_go();  // in mid-stroke: the stroke ends here
-    if (close_unsaved_) return true;
-    if (close_when_saved_) treating_->keep_now();
-    if (close_when_saved_ || !state_.closing) {
-        if (!painted_all()) return false;
-        close_when_saved_ = false;
-    }
-    const bool writes = desk_->writes();
-    if (!state_.painter.unsaved && state_.treating.edits == 0 && !writes) return true;
-    state_.closing = true;  // asks
-    glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
-    settle_ = kFramesAfterwards;
-    return false;
 }
 
 }  // namespace tangi

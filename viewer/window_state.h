@@ -255,7 +255,7 @@ struct WindowState {
     // What the panels ask for; the window does it and clears them.
     struct Requests {
         bool fit = false, one_to_one = false, straighten = false, undo = false, redo = false, save = false,
-             dry = false, snapshot = false, recover = false, discard = false, close = false,
+             dry = false, wash = false, snapshot = false, recover = false, discard = false, close = false,
              close_unsaved = false, close_now = false, stay = false;
         bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
              photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;

@@ -1,6 +1,7 @@
 #include "paint/retouch/viewing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
@@ -16,6 +17,7 @@ namespace tangi {
 namespace {
 
 constexpr double kNearest_m = 0.1, kNear_m = 0.3;
+constexpr double kNoLight = 1e-6;  // [1] of white: where there is none, there is no colour
 
 double degrees_per_pixel(double mm_per_pixel, double distance_m) {
     return std::atan(mm_per_pixel / (1000 * distance_m)) * 180 / std::numbers::pi;
@@ -66,6 +68,31 @@ glm::dmat3 xyz_of_rgb() {
             0.1191920, 0.1804375, 0.0721750, 0.9503041};
 }
 
+using Opponent = std::array<cv::Mat, 3>;
+
+Opponent channels_of(const Image<Rgb>& linear, const glm::dmat3& to) {
+    Opponent channels;
+    for (int c = 0; c < 3; ++c) {
+        cv::Mat& channel = channels[static_cast<std::size_t>(c)];
+        channel = cv::Mat(linear.height(), linear.width(), CV_32F);
+        for (int y = 0; y < linear.height(); ++y)
+            for (int x = 0; x < linear.width(); ++x)
+                channel.at<float>(y, x) = static_cast<float>((to * glm::dvec3(linear(x, y)))[c]);
+    }
+    return channels;
+}
+
+Image<Rgb> picture_of(const Opponent& channels, const glm::dmat3& from) {
+    Image<Rgb> picture(channels[0].cols, channels[0].rows);
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+            const glm::dvec3 opponent(channels[0].at<float>(y, x), channels[1].at<float>(y, x),
+                                      channels[2].at<float>(y, x));
+            picture(x, y) = glm::max(Rgb(from * opponent), Rgb(0));
+        }
+    return picture;
+}
+
 double mean_difference(const Image<Rgb>& a, const Image<Rgb>& b, const Mask& mask) {
     double sum = 0, weights = 0;
     for (std::size_t i = 0; i < mask.size(); ++i) {
@@ -109,23 +136,27 @@ double contrast_sensitivity(double cycles_per_degree, double luminance_cd_m2, do
 Image<Rgb> seen_from(const Image<Rgb>& linear, double mm_per_pixel, double distance_m) {
     TP_REQUIRE(mm_per_pixel > 0 && distance_m > 0, "a scale and a distance");
     const double deg = degrees_per_pixel(mm_per_pixel, distance_m);
-    const glm::dmat3 to = kOpponent * xyz_of_rgb(), from = glm::inverse(to);
-    cv::Mat channels[3];
-    for (int c = 0; c < 3; ++c) {
-        channels[c] = cv::Mat(linear.height(), linear.width(), CV_32F);
-        for (int y = 0; y < linear.height(); ++y)
-            for (int x = 0; x < linear.width(); ++x)
-                channels[c].at<float>(y, x) = static_cast<float>((to * glm::dvec3(linear(x, y)))[c]);
-        channels[c] = blurred(channels[c], kBells[c], deg);
+    const glm::dmat3 to = kOpponent * xyz_of_rgb();
+    Opponent channels = channels_of(linear, to);
+    for (std::size_t c = 0; c < 3; ++c) channels[c] = blurred(channels[c], kBells[c], deg);
+    return picture_of(channels, glm::inverse(to));
+}
+
+Image<Rgb> shown_from(const Image<Rgb>& linear, double mm_per_pixel, double distance_m) {
+    TP_REQUIRE(mm_per_pixel > 0 && distance_m > 0, "a scale and a distance");
+    const double deg = degrees_per_pixel(mm_per_pixel, distance_m);
+    glm::dmat3 to = kOpponent * xyz_of_rgb();
+    const glm::dvec3 white = to * glm::dvec3(1);
+    for (int c = 1; c < 3; ++c)
+        for (int of = 0; of < 3; ++of) to[of][c] -= white[c] / white[0] * to[of][0];
+    Opponent channels = channels_of(linear, to);
+    const cv::Mat light = channels[0];
+    cv::max(blurred(light, kBells[0], deg), 0, channels[0]);
+    for (std::size_t c = 1; c < 3; ++c) {
+        const cv::Mat around = cv::max(blurred(light, kBells[c], deg), kNoLight);
+        channels[c] = blurred(channels[c], kBells[c], deg).mul(channels[0] / around);
     }
-    Image<Rgb> seen(linear.width(), linear.height());
-    for (int y = 0; y < linear.height(); ++y)
-        for (int x = 0; x < linear.width(); ++x)
-            seen(x, y) =
-                glm::max(Rgb(from * glm::dvec3(channels[0].at<float>(y, x), channels[1].at<float>(y, x),
-                                               channels[2].at<float>(y, x))),
-                         Rgb(0));
-    return seen;
+    return picture_of(channels, glm::inverse(to));
 }
 
 double visible_contrast(const Image<Rgb>& pattern, const Image<Rgb>& mean, const Mask& mask,

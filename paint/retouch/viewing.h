@@ -30,6 +30,12 @@ struct ViewingOptions {
 // picture going on at its borders. Its colours can be compared by CIEDE2000.
 Image<Rgb> seen_from(const Image<Rgb>& linear, double mm_per_pixel, double distance_m);
 
+// The same for people, who look at it with eyes of their own: what is grey stays grey, and no colour comes
+// about that is none of the picture's. Above, channels are blurred alone: where light and dark meet, hues of
+// the wide ones lie on the sharp one, which compare well and look false. Here the wide ones say how much
+// colour there is for the light that there is, white having none.
+Image<Rgb> shown_from(const Image<Rgb>& linear, double mm_per_pixel, double distance_m);
+
 // [1] The largest contrast of `pattern` against `mean` inside the mask, in units of what is just seen from
 // `distance_m`: the pattern's contrast, luminance differences over local mean, weighted by the sensitivity at
 // each frequency; 99th percentile. Below 1 the pattern has fused.

@@ -72,7 +72,7 @@ void board(WindowState& s) {
     if (ImGui::Button("Squeeze out")) s.ask.squeeze = true;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("a pile of the mixture, where there is room");
     ImGui::SameLine();
-    if (ImGui::Button("Wash the brush")) b.carried = Carried::nothing;
+    if (ImGui::Button("Wash the brush")) s.ask.wash = true;
     carried(s);
     if (!s.painter.has_board || b.texture == 0) {
         empty(width);

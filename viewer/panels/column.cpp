@@ -17,7 +17,8 @@ constexpr const char* kNotTilted =
     "Photographs were taken from straight ahead: nothing is tilted beside them";
 
 void recent(WindowState& s) {
-    if (s.recent.empty() || !ImGui::BeginCombo("Recent", "open again")) return;
+    // There from the start: what comes later would push away what is about to be clicked.
+    if (!ImGui::BeginCombo("Recent", "open again")) return;
     for (const std::filesystem::path& painting : s.recent) {
         if (ImGui::Selectable(painting.filename().string().c_str())) s.ask.open = painting;
         tip(painting.string());
@@ -103,11 +104,16 @@ void questions(WindowState& s) {
     }
     if (s.closing && !s.finishing) {
         const bool unsaved = s.painter.unsaved || s.treating.edits > 0;
-        ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
-                           s.painter.unsaved      ? "There are strokes that are not saved."
-                           : s.treating.edits > 0 ? "The damage map was corrected, and is not in the log."
-                           : s.job                ? "A file is still being written."
-                                                  : "All is written.");
+        if (s.painter.unsaved) note("There are strokes that are not saved.", 1, kWarning);
+        if (s.treating.edits > 0)
+            note("The damage map was corrected, and is not in the log: closed so, the corrections are lost.",
+                 3, kWarning);
+        if (s.film)
+            note("A film is still being written.", 1, kWarning);
+        else if (s.job)
+            note("A file is still being written.", 1, kWarning);
+        else if (!unsaved)
+            note("All is written.", 1, kWarning);
         if (!s.open_next.empty())
             ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
         const bool opens = !s.open_next.empty();
@@ -117,8 +123,9 @@ void questions(WindowState& s) {
             ImGui::SameLine();
         }
         if (ImGui::Button(opens ? "Open" : "Close")) s.ask.close_unsaved = true;
-        tip(unsaved ? "The strokes stay in the journal: next time they can be recovered"
-                    : "What is being written is given up");
+        tip(s.painter.unsaved      ? "The strokes stay in the journal: next time they can be recovered"
+            : s.treating.edits > 0 ? "The corrections of the damage map are given up"
+                                   : "What is being written is given up");
         if (ImGui::Button("Go on painting (Esc)")) {
             s.closing = false;
             s.open_next.clear();
