@@ -118,6 +118,7 @@ void read_frame(const JpegPart& segment, PictureHeader& header, JpegScans& scans
     header.width = static_cast<double>(number_in(content.substr(3, 2), true));
     scans.channels = static_cast<unsigned char>(content[5]);
     header.bytes = header.width * header.height * scans.channels;
+    header.of_inks = scans.channels == 4;
     scans.progressive = (segment.marker & 3) == 2;
     scans.arithmetic = segment.marker >= 0xC9;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -114,6 +115,28 @@ void require_memory(const fs::path& path, double bytes, std::string_view what) {
         "the "
         "program more (ulimit -v, or the limit of a container)",
         path.string(), what, bytes / 1e9, left / 1e9);
+}
+
+namespace {
+
+std::mutex claims_mutex;
+double all_claims = 0;  // [bytes]
+
+}  // namespace
+
+MemoryClaim::MemoryClaim(const fs::path& path, double bytes, std::string_view what) {
+    const std::lock_guard lock(claims_mutex);
+    require_memory(
+        path, all_claims + bytes,
+        all_claims > 0 ? fmt::format("{}, and of the other files that are open,", what) : std::string(what));
+    all_claims += bytes;
+    bytes_ = bytes;
+}
+
+void MemoryClaim::give_back() {
+    if (bytes_ == 0) return;
+    const std::lock_guard lock(claims_mutex);
+    all_claims -= std::exchange(bytes_, 0);
 }
 
 void require_memory_of_surface(const fs::path& path, int width, int height, double beside,

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 namespace tangi {
 
@@ -17,7 +18,27 @@ double memory_left(const std::filesystem::path& root = "/");
 // memory, and 9.1 GB are left; ...". Asks nothing for less than 64 MiB.
 void require_memory(const std::filesystem::path& path, double bytes, std::string_view what);
 
-// The same for the maps that every Surface of this size has, and `beside` bytes a pixel more.
+// Memory that a library will take once it gives the first row of a file that is open: of many files that are
+// open at once, the sum must be there. Given back once it was taken, which memory_left() sees then, or the
+// file is closed. Any number of threads may have some.
+class MemoryClaim {
+public:
+    MemoryClaim() = default;
+    // Throws Error as require_memory(), of `bytes` and what all others claim.
+    MemoryClaim(const std::filesystem::path& path, double bytes, std::string_view what);
+    ~MemoryClaim() { give_back(); }
+    MemoryClaim(MemoryClaim&& other) noexcept : bytes_(std::exchange(other.bytes_, 0)) {}
+    MemoryClaim& operator=(MemoryClaim&& other) noexcept {
+        std::swap(bytes_, other.bytes_);
+        return *this;
+    }
+    void give_back();
+
+private:
+    double bytes_ = 0;
+};
+
+// require_memory() for the maps that every Surface of this size has, and `beside` bytes a pixel more.
 void require_memory_of_surface(const std::filesystem::path& path, int width, int height, double beside,
                                std::string_view what);
 

@@ -197,10 +197,24 @@ void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
 
 namespace {
 
+// What has bands beside red, green, blue and one more may have these anywhere.
+void require_colours(const fs::path& path, const PictureContent& content) {
+    constexpr std::size_t most = 4;
+    const std::vector<std::string>& names = content.channels;
+    const bool begins_with_colours = content.is_exr && names.size() >= 3 && lower_case(names[0]) == "r" &&
+                                     lower_case(names[1]) == "g" && lower_case(names[2]) == "b";
+    if (names.size() > most && !begins_with_colours)
+        fail(
+            "{}: has {} channels, and nothing says which are red, green and blue; store these, or one grey "
+            "channel",
+            path.string(), names.size());
+}
+
 // `alpha`: where to put it; its channel is not read where that is null.
 Image<Rgb> read_as_stored(const fs::path& path, Image<float>* alpha) {
     PictureRows rows(path);
     const PictureContent& content = rows.content();
+    require_colours(path, content);
     const auto count = static_cast<int>(content.channels.size());
     // Of what an EXR file's data window leaves out nothing is known but that it was not drawn: transparent.
     const bool wants_alpha = alpha && (content.alpha >= 0 || !content.is_complete());

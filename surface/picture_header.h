@@ -28,6 +28,7 @@ struct PictureHeader {
     // [bytes] that a library holds at once to give the first row: the picture, where its rows are not stored
     // one behind the other; else a strip.
     double held = 0;
+    bool of_inks = false;  // CMYK or YCCK, of JPEG
     // What is damaged, in words that follow "is damaged: ": only what nobody can do without.
     std::optional<std::string> damage{};
     // What is damaged of its colour profile (ICC), which `without` leaves out.

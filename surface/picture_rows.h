@@ -21,8 +21,12 @@ struct PictureContent {
     std::vector<std::string> channels;
     int alpha = -1;           // which of them; -1: none
     bool multiplied = false;  // colours are, by alpha
-    int bits = 0;             // of a channel as stored
+    // A fourth byte that many programs leave at 0, and that is alpha in few (BMP, TGA).
+    bool alpha_is_vague = false;
+    int bits = 0;  // of a channel as stored
     bool is_float = false;
+    bool is_signed = false;  // integers that may be negative
+    bool of_inks = false;    // stored as CMYK, and converted as if inks were ideal
     bool is_exr = false;
     int page = 0;            // of the file's pictures
     std::size_t alike = 1;   // pictures that might be meant as well, itself among them (TIFF)

@@ -66,9 +66,22 @@ PictureContent content_of(const OIIO::ImageSpec& spec, bool is_exr) {
     content.multiplied = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     content.bits = static_cast<int>(spec.format.basesize()) * 8;
     content.is_float = spec.format.is_floating_point();
+    content.is_signed = spec.format.is_signed() && !content.is_float;
     content.orientation = spec.get_int_attribute("Orientation", 1);
     content.pixel_aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
     return content;
+}
+
+// Integers of which 0 is white (TIFF 6.0, MinIsWhite), turned round: OpenImageIO 2.4 does so with bytes
+// alone, and then with their alpha as well. `first`: the channel of the first value of a pixel.
+void turn_white_to_one(const OIIO::ImageSpec& spec, int first, int count, std::span<float> values) {
+    const bool is_turned = spec.format == OIIO::TypeDesc::UINT8;
+    const auto channels = static_cast<std::size_t>(count);
+    for (std::size_t c = 0; c < channels; ++c) {
+        const bool is_alpha = first + static_cast<int>(c) == spec.alpha_channel;
+        if (is_turned != is_alpha) continue;
+        for (std::size_t i = c; i < values.size(); i += channels) values[i] = 1 - values[i];
+    }
 }
 
 // As OIIO::convert_pixel_values(), which takes bytes one at a time.
@@ -89,9 +102,15 @@ PictureRows::PictureRows(const fs::path& path, bool lab_as_stored) : path_(path)
     if (!is_whole_png(path)) fail(kTruncated, path.string(), "PNG");
     const std::optional<TiffPages> pages = tiff_pages(path);
     if (pages) require_no_hidden_picture(path, *pages);
+    if (pages)
+        if (const std::string why = unreadable_kind(pages->picture()); !why.empty())
+            fail("{}: {}", path.string(), why);
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);
-    if (lab_as_stored) config.attribute("oiio:RawColor", 1);
+    const int photometric = pages ? pages->picture().photometric : -1;
+    // Of L*a*b* alone: YCbCr would stay that, too.
+    if (lab_as_stored && (photometric == kTiffCielab || photometric == kTiffIccLab))
+        config.attribute("oiio:RawColor", 1);
     decoder_ = std::make_unique<Decoder>(path);
     const SafePicture& safe = decoder_->safe;
     std::unique_ptr<OIIO::ImageInput>& input = decoder_->input = OIIO::ImageInput::create(safe.reader());
@@ -106,9 +125,12 @@ PictureRows::PictureRows(const fs::path& path, bool lab_as_stored) : path_(path)
     const bool is_exr = safe.reader() == std::string_view("openexr");
     if (is_exr) require_display_window(path, spec);
     content_ = content_of(spec, is_exr);
+    content_.alpha_is_vague =
+        safe.reader() == std::string_view("bmp") || safe.reader() == std::string_view("targa");
     content_.page = page;
     content_.alike = pages ? pages->alike : 1;
-    content_.photometric = pages ? pages->picture().photometric : -1;
+    content_.photometric = photometric;
+    content_.of_inks = safe.of_inks() || content_.photometric == kTiffInks;
     content_.profile_damage = safe.profile_damage();
 }
 
@@ -174,6 +196,8 @@ void PictureRows::decode(int y0, int y1, int first, int count, std::span<float> 
     if (!read || input.has_error())
         fail("{}: cannot be decoded at rows {} to {}: {}", path_.string(), y0, y1 - 1,
              trouble_with_pixels(path_, input.geterror()));
+    decoder_->safe.unpacked();
+    if (content_.photometric == kTiffMinIsWhite) turn_white_to_one(spec, first, count, values);
 }
 
 }  // namespace tangi

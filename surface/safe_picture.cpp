@@ -9,9 +9,9 @@
 #include "surface/error.h"
 #include "surface/exr_claim.h"
 #include "surface/file_bytes.h"
+#include "surface/file_kind.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
-#include "surface/memory_budget.h"
 #include "surface/nameless_file.h"
 #include "surface/painting_errors.h"
 #include "surface/picture_header.h"
@@ -56,7 +56,6 @@ void require_possible(const fs::path& path, const FileBytes& file, const Picture
              path.string(), header.width, header.height, file.size(), kCopyAgain);
     if (header.width * header.height > kMostPixels) fail_as_too_large(path, header.width * header.height);
     if (header.damage) fail("{}: is damaged: {}; {}", path.string(), *header.damage, kCopyAgain);
-    require_memory(path, header.held, kUnpacked);
 }
 
 // Throws Error where there is no room for it.
@@ -86,20 +85,20 @@ int sound_copy_of(const fs::path& path, const FileBytes& file, const std::vector
 SafePicture::SafePicture(const fs::path& path) : path_(path.string()) {
     const FileBytes file(path);
     const auto format = picture_format(file, lower_case(path.extension().string()));
-    if (!format)
-        fail("{}: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file",
-             path.string());
+    if (!format) fail("{}: {}", path.string(), what_it_is_instead(file));
     reader_ = reader_named(*format);
     if (*format == PictureFormat::exr) {
         require_whole(path);
         const auto claim = exr_claim(path);
         if (claim && claim->pixels > kMostPixels) fail_as_too_large(path, claim->pixels);
-        if (claim) require_memory(path, claim->held, kUnpacked);
+        if (claim) claim_ = MemoryClaim(path, claim->held, kUnpacked);
         return;
     }
     const PictureHeader header = picture_header(file, *format);
     require_possible(path, file, header);
+    claim_ = MemoryClaim(path, header.held, kUnpacked);
     profile_damage_ = header.profile_damage;
+    of_inks_ = header.of_inks;
     if (header.without.empty()) return;
     copy_ = sound_copy_of(path, file, header.without);
     path_ = fmt::format("/proc/self/fd/{}", copy_);
@@ -111,12 +110,16 @@ SafePicture::~SafePicture() {
 
 SafePicture::SafePicture(SafePicture&& other) noexcept
     : path_(std::move(other.path_)),
+      claim_(std::move(other.claim_)),
+      of_inks_(other.of_inks_),
       reader_(other.reader_),
       profile_damage_(std::move(other.profile_damage_)),
       copy_(std::exchange(other.copy_, -1)) {}
 
 SafePicture& SafePicture::operator=(SafePicture&& other) noexcept {
     std::swap(path_, other.path_);
+    std::swap(claim_, other.claim_);
+    std::swap(of_inks_, other.of_inks_);
     std::swap(reader_, other.reader_);
     std::swap(profile_damage_, other.profile_damage_);
     std::swap(copy_, other.copy_);

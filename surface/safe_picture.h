@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "surface/memory_budget.h"
+
 namespace tangi {
 
 class SafePicture {
@@ -28,9 +30,15 @@ public:
     const char* reader() const { return reader_; }
     // What is damaged of its colour profile (ICC), in a few words: libraries see none then.
     const std::optional<std::string>& profile_damage() const { return profile_damage_; }
+    // A JPEG of printing inks (CMYK), which its reader makes colours of.
+    bool of_inks() const { return of_inks_; }
+    // The memory to unpack it was taken: from now on it is no claim, but missing.
+    void unpacked() { claim_.give_back(); }
 
 private:
     std::string path_;
+    MemoryClaim claim_;
+    bool of_inks_ = false;
     const char* reader_ = nullptr;
     std::optional<std::string> profile_damage_;
     int copy_ = -1;

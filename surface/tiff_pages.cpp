@@ -17,13 +17,17 @@ struct Page {
 
 void take_entry(const TiffDirectories& in, const TiffEntry& entry, Page& result) {
     constexpr std::uint64_t kNewSubfileType = 254, kSubfileType = 255, kWidth = 256, kHeight = 257,
-                            kPhotometric = 262, kSamplesPerPixel = 277, kSubIfds = 330, kMostBelow = 64;
+                            kBits = 258, kPhotometric = 262, kSamplesPerPixel = 277, kTileWidth = 322,
+                            kSubIfds = 330, kSampleFormat = 339, kMostBelow = 64;
     TiffPage& page = result.page;
     const auto value = static_cast<std::uint64_t>(in.value(entry));
     if (entry.tag == kWidth) page.width = static_cast<std::uint32_t>(value);
     if (entry.tag == kHeight) page.height = static_cast<std::uint32_t>(value);
     if (entry.tag == kPhotometric) page.photometric = static_cast<int>(value);
     if (entry.tag == kSamplesPerPixel) page.samples = static_cast<int>(value);
+    if (entry.tag == kBits) page.bits = static_cast<int>(value);
+    if (entry.tag == kSampleFormat) page.sample_format = static_cast<int>(value);
+    if (entry.tag == kTileWidth) page.is_tiled = true;
     if (entry.tag == kNewSubfileType) page.reduced = (value & 1) != 0, page.is_mask = (value & 4) != 0;
     if (entry.tag == kSubfileType) page.reduced = value == 2;
     if (entry.tag == kSubIfds) result.below = in.values(entry, kMostBelow);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "surface/file_bytes.h"
@@ -13,15 +14,26 @@ namespace tangi {
 // One directory of a TIFF file (TIFF 6.0, section 8).
 struct TiffPage {
     std::uint32_t width = 0, height = 0;
-    bool reduced = false;  // NewSubfileType: a preview of another page
-    bool is_mask = false;  // NewSubfileType: what of another page can be seen
-    int photometric = -1;  // PhotometricInterpretation; -1 where it is missing
-    int samples = 1;       // a pixel
+    bool reduced = false;   // NewSubfileType: a preview of another page
+    bool is_mask = false;   // NewSubfileType: what of another page can be seen
+    int photometric = -1;   // PhotometricInterpretation; -1 where it is missing
+    int samples = 1;        // a pixel
+    int bits = 1;           // a sample
+    int sample_format = 1;  // SampleFormat: kTiffUnsigned and others
+    bool is_tiled = false;
 
     double pixels() const { return static_cast<double>(width) * height; }
 };
 
-constexpr int kTiffGrey = 1, kTiffCielab = 8, kTiffIccLab = 9;  // PhotometricInterpretation
+// PhotometricInterpretation
+constexpr int kTiffMinIsWhite = 0, kTiffMinIsBlack = 1, kTiffRgb = 2, kTiffPalette = 3, kTiffMask = 4,
+              kTiffInks = 5, kTiffYcbcr = 6, kTiffCielab = 8, kTiffIccLab = 9, kTiffItuLab = 10,
+              kTiffMosaic = 32803, kTiffLogL = 32844, kTiffLogLuv = 32845, kTiffLinearRaw = 34892;
+constexpr int kTiffUnsigned = 1, kTiffSigned = 2, kTiffFloat = 3;  // SampleFormat
+
+// Why the pixels of a page have no reading as a picture, or OpenImageIO 2.4 gets them wrong, in words that
+// follow the file's name, with the remedy; empty where they can be read.
+std::string unreadable_kind(const TiffPage& page);
 
 struct TiffPages {
     std::vector<TiffPage> pages;   // one behind the other: the pictures that readers count

@@ -84,5 +84,21 @@ TEST(MemoryBudget, OfWhatIsUnpackedAtOnceIsToldByTheHeader) {
     EXPECT_EQ(held("a.tif", tiff_with(300, 200, "", ""), PictureFormat::tiff), 300 * 200 * 3);
 }
 
+// Sixty files that are open at once need what all of them unpack.
+TEST(MemoryBudget, IsClaimedByAllThatIsOpen) {
+    const double most = std::min(memory_left(), 1e15) * 0.6;
+    MemoryClaim first("a.jpg", most, "what must be unpacked of it at once");
+    EXPECT_THAT(
+        error_of([&] { MemoryClaim("b.jpg", most, "what must be unpacked of it at once"); }),
+        AllOf(HasSubstr(
+                  "b.jpg: what must be unpacked of it at once, and of the other files that are open, takes"),
+              HasSubstr("GB are left")));
+    first.give_back();
+    MemoryClaim second("b.jpg", most, "what"), moved = std::move(second);
+    EXPECT_NE(error_of([&] { MemoryClaim("c.jpg", most, "what"); }), "");
+    moved = MemoryClaim();
+    MemoryClaim third("c.jpg", most, "what");
+}
+
 }  // namespace
 }  // namespace tangi

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "surface/picture_rows.h"
 #include "surface/picture_with_alpha.h"
 #include "tests/test_support.h"
@@ -111,6 +113,17 @@ TEST(PictureFile, DropsAlphaWithoutMultiplyingByIt) {
 }
 
 // OpenImageIO would take what follows for arguments, as in an address of the web.
+TEST(PictureFile, OfManyBandsIsNotTakenForColours) {
+    const TestDir dir;
+    write_constant(dir / "a.tif", {0.1f, 0.2f, 0.3f, 0.4f});
+    EXPECT_NEAR(read_picture(dir / "a.tif")(0, 0).b, 0.3, 1e-4);
+    write_constant(dir / "a.tif", {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f});
+    for (const auto& read : {std::function<void()>([&] { read_picture(dir / "a.tif"); }),
+                             std::function<void()>([&] { read_picture_with_alpha(dir / "a.tif"); })})
+        EXPECT_THAT(error_of(read),
+                    HasSubstr("a.tif: has 6 channels, and nothing says which are red, green and blue"));
+}
+
 TEST(PictureFile, MayHaveAQuestionMarkInItsPath) {
     const TestDir dir;
     const std::filesystem::path folder = dir / "which? folder&x=1";

