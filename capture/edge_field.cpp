@@ -166,24 +166,69 @@ double outline_score(const EdgeField& field, const dvec2& centre, double radius)
     return 2 * in_picture < angles ? 0 : std::max(0.0, sum / in_picture);
 }
 
+namespace {
+
+// Best first, each once.
+std::vector<Circle> distinct(std::vector<Circle> all, const CircleSearch& search) {
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+    std::vector<Circle> circles;
+    for (const Circle& circle : all) {
+        const bool known = std::any_of(circles.begin(), circles.end(), [&](const Circle& other) {
+            return glm::length(circle.centre_px - other.centre_px) +
+                       std::abs(circle.radius_px - other.radius_px) <
+                   0.08 * other.radius_px + 1;
+        });
+        if (!known && holds_most(search, circle.centre_px, circle.radius_px)) circles.push_back(circle);
+        if (static_cast<int>(circles.size()) == search.most) break;
+    }
+    return circles;
+}
+
+// In a field of half the size, where outlines are half as wide, and some are lost.
+std::vector<Circle> circles_in_half(const EdgeField& field, const CircleSearch& search) {
+    CircleSearch smaller = search;
+    smaller.smallest_px = search.smallest_px / 2;
+    smaller.largest_px = search.largest_px / 2;
+    smaller.centres = {search.centres.x0 / 2, search.centres.y0 / 2, search.centres.x1 / 2 + 1,
+                       search.centres.y1 / 2 + 1};
+    for (dvec2& point : smaller.inside) point = (point + 0.5) / 2.0 - 0.5;
+    std::vector<Circle> circles = find_circles(halved(field), smaller);
+    for (Circle& circle : circles) {
+        circle = {(circle.centre_px + 0.5) * 2.0 - 0.5, 2 * circle.radius_px, 0};
+        circle.score = outline_score(field, circle.centre_px, circle.radius_px);
+        circle = climbed(field, circle);
+    }
+    return circles;
+}
+
+// Centres of circles of this radius that may hold the points that they should.
+Region centres_around(const CircleSearch& search, double radius) {
+    Region r = search.centres;
+    if (search.inside.empty()) return r;
+    dvec2 low = search.inside.front(), high = low;
+    for (const dvec2& point : search.inside) low = glm::min(low, point), high = glm::max(high, point);
+    r.x0 = std::max(r.x0, static_cast<int>(std::floor(low.x - radius)));
+    r.y0 = std::max(r.y0, static_cast<int>(std::floor(low.y - radius)));
+    r.x1 = std::min(r.x1, static_cast<int>(std::ceil(high.x + radius)) + 1);
+    r.y1 = std::min(r.y1, static_cast<int>(std::ceil(high.y + radius)) + 1);
+    return r;
+}
+
+}  // namespace
+
 std::vector<Circle> find_circles(const EdgeField& field, const CircleSearch& search) {
     if (search.largest_px > kLargestHough) {
-        const EdgeField half = halved(field);
-        CircleSearch smaller = search;
-        smaller.smallest_px = search.smallest_px / 2;
-        smaller.largest_px = search.largest_px / 2;
-        smaller.centres = {search.centres.x0 / 2, search.centres.y0 / 2, search.centres.x1 / 2 + 1,
-                           search.centres.y1 / 2 + 1};
-        for (dvec2& point : smaller.inside) point = (point + 0.5) / 2.0 - 0.5;
-        std::vector<Circle> circles = find_circles(half, smaller);
-        for (Circle& circle : circles) {
-            circle = {(circle.centre_px + 0.5) * 2.0 - 0.5, 2 * circle.radius_px, 0};
-            circle.score = outline_score(field, circle.centre_px, circle.radius_px);
-            circle = climbed(field, circle);
+        // Small circles at full size even so: how large others may be is nothing to them.
+        CircleSearch large = search, small = search;
+        large.smallest_px = std::max(search.smallest_px, kLargestHough / 1.1);
+        std::vector<Circle> circles = circles_in_half(field, large);
+        if (search.smallest_px < kLargestHough) {
+            small.largest_px = kLargestHough;
+            small.centres = centres_around(search, kLargestHough);
+            const std::vector<Circle> more = find_circles(field, small);
+            circles.insert(circles.end(), more.begin(), more.end());
         }
-        std::sort(circles.begin(), circles.end(),
-                  [](const auto& a, const auto& b) { return a.score > b.score; });
-        return circles;
+        return distinct(std::move(circles), search);
     }
     std::vector<double> radii;
     for (double radius = search.smallest_px; radius <= search.largest_px;
@@ -217,18 +262,7 @@ std::vector<Circle> find_circles(const EdgeField& field, const CircleSearch& sea
         circle.score = outline_score(field, circle.centre_px, circle.radius_px);
         circle = climbed(field, circle);
     }
-    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
-    std::vector<Circle> circles;
-    for (const Circle& circle : all) {
-        const bool known = std::any_of(circles.begin(), circles.end(), [&](const Circle& other) {
-            return glm::length(circle.centre_px - other.centre_px) +
-                       std::abs(circle.radius_px - other.radius_px) <
-                   0.08 * other.radius_px + 1;
-        });
-        if (!known && holds_most(search, circle.centre_px, circle.radius_px)) circles.push_back(circle);
-        if (static_cast<int>(circles.size()) == search.most) break;
-    }
-    return circles;
+    return distinct(std::move(all), search);
 }
 
 }  // namespace tangi

@@ -80,19 +80,25 @@ bool may_be_given(const FoundBall& ball) {
            std::max(1.0, kLeastFoundGiven * static_cast<double>(ball.highlights.size()));
 }
 
-// Why something that was found and not given is no mirror ball; empty where it may be one.
-std::string why_none(const FoundBall& ball, const BallCamera& camera, const GreyPhotos& photos,
-                     const CameraShakes& drifts) {
+// Why something that was found and not given is no mirror ball.
+struct Objection {
+    std::string reason{};         // empty where it may be one
+    bool to_its_outline = false;  // what shows in the circle contradicts that it is a ball's outline
+};
+
+Objection objection_to(const FoundBall& ball, const BallCamera& camera, const GreyPhotos& photos,
+                       const CameraShakes& drifts) {
     const int found = ball.highlights_found(), below = from_below(ball, camera);
     const auto count = static_cast<double>(ball.highlights.size());
-    if (found < kLeastFound * count) return too_few(ball);
+    if (found < kLeastFound * count) return {too_few(ball)};
     if (below >= 2 && below > kMostBelow * found)
-        return fmt::format("{} of {} highlights would come from lamps behind the painting", below, found);
+        return {fmt::format("{} of {} highlights would come from lamps behind the painting", below, found),
+                true};
     const std::vector<std::optional<glm::dvec3>> directions = mirrored_directions(ball, camera);
     const ShadedCircle itself{ball.image.centre_px, 1.5 * ball.image.radius_px};
     if (const auto chance = chance_of_directions(photos, drifts, directions, {&itself, 1});
         chance && *chance > kLargestChance)
-        return "the photographs are not shaded as the lamps that it shows would shade them";
+        return {"the photographs are not shaded as the lamps that it shows would shade them", true};
     return {};
 }
 
@@ -100,16 +106,21 @@ std::string why_none(const FoundBall& ball, const BallCamera& camera, const Grey
 void take_found(FoundBall ball, const BallCamera& camera, const GreyPhotos& photos,
                 const CameraShakes& drifts, BallSearch& search) {
     if (!(ball.outline_coverage > 0)) return;
-    const std::string reason = why_none(ball, camera, photos, drifts);
+    const Objection objection = objection_to(ball, camera, photos, drifts);
     const dvec2 at = ball.image.centre_px;
-    if (reason.empty())
+    if (objection.reason.empty()) {
         search.balls.push_back(std::move(ball));
-    else  // no circle is recommended that would be refused
-        search.warnings.push_back(fmt::format(
-            "something round at ({:.0f}, {:.0f}) is taken for no mirror ball: {}{}", at.x, at.y, reason,
-            may_be_given(ball) ? fmt::format("; if it is one, give it with --sphere {:.0f},{:.0f},{:.0f}",
-                                             at.x, at.y, ball.image.radius_px)
-                               : ""));
+        return;
+    }
+    // No circle is recommended that would be refused, or that is none of a mirror ball.
+    const std::string advice =
+        objection.to_its_outline ? "; if there is a ball, give its outline with --sphere X,Y,R"
+        : may_be_given(ball) ? fmt::format("; if it is one, give it with --sphere {:.0f},{:.0f},{:.0f}", at.x,
+                                           at.y, ball.image.radius_px)
+                             : "";
+    search.warnings.push_back(
+        fmt::format("something round at ({:.0f}, {:.0f}) is taken for no mirror ball: {}{}", at.x, at.y,
+                    objection.reason, advice));
 }
 
 // What the user says is believed where highlights show at all, and doubted where they cannot be a ball's.
