@@ -267,6 +267,11 @@ WhiteBalances white_balances(const ColourSamples& samples, std::span<const Light
 
 WhiteBalances white_balances(const Survey& survey, const Transfer& transfer, float clipped, int bits,
                              std::span<const Light> lights) {
+    const ColourSamples samples = colour_samples(survey, transfer, clipped, bits);
+    return samples.values.empty() ? WhiteBalances{} : white_balances(samples, lights);
+}
+
+ColourSamples colour_samples(const Survey& survey, const Transfer& transfer, float clipped, int bits) {
     if (survey.channels != 3 || survey.sample_count() == 0) return {};
     const std::size_t photos = survey.photos.size(),
                       samples = static_cast<std::size_t>(survey.sample_count());
@@ -306,7 +311,7 @@ WhiteBalances white_balances(const Survey& survey, const Transfer& transfer, flo
             s.values[k * photos + i] = value;
         }
     }
-    return white_balances(s, lights);
+    return s;
 }
 
 WhiteBalance white_balance_beside(std::span<const Rgb> expected, std::span<const Rgb> photographed,

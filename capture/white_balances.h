@@ -60,7 +60,9 @@ struct ColourSamples {
 // mean. `lights`: of the photographs, which tell how strong gloss may be; from 45 degrees where empty.
 WhiteBalances white_balances(const ColourSamples& samples, std::span<const Light> lights = {});
 
-// Of a stack's photographs; highlights, shadows and what is clipped or nearly black do not count.
+// Of a stack's photographs in colour, else nothing; highlights, shadows and what is clipped or nearly black
+// do not count.
+ColourSamples colour_samples(const Survey& survey, const Transfer& transfer, float clipped, int bits);
 WhiteBalances white_balances(const Survey& survey, const Transfer& transfer, float clipped, int bits,
                              std::span<const Light> lights = {});
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/colour_saturation.h"
 #include "capture/profile_colours.h"
 #include "fit/final_height.h"
 #include "fit/fit_passes.h"
@@ -172,9 +173,14 @@ WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Tr
     const float clipped = stack.development  ? stack.development->clipped
                           : stack.bits == 32 ? std::numeric_limits<float>::infinity()
                                              : kClipped;
-    WhiteBalances balances = white_balances(surveyed, transfer, clipped, stack.bits, stack.lights());
+    const ColourSamples samples = colour_samples(surveyed, transfer, clipped, stack.bits);
+    if (samples.values.empty()) return {};
+    WhiteBalances balances = white_balances(samples, stack.lights());
     std::vector<std::string> names;
     for (const StackPhoto& photo : stack.photos) names.push_back(photo.light.name);
+    if (std::string warning = warning_of(colour_saturations(samples), names, stack.folder.string());
+        !warning.empty())
+        stack.warnings.push_back(std::move(warning));
     if (stack.colour) {
         std::vector<std::optional<glm::dvec2>> by_chart;
         for (const StackPhoto& photo : stack.photos) {
