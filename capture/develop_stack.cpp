@@ -6,6 +6,7 @@
 #include <set>
 
 #include "capture/exposure_merge.h"
+#include "capture/full_scale.h"
 #include "capture/photo_metadata.h"
 #include "capture/photo_source.h"
 #include "capture/raw_file.h"
@@ -40,10 +41,13 @@ std::vector<StackPhoto*> all_photos(Stack& stack) {
     return all;
 }
 
-TransferEstimate encoding_of(const Stack& stack, const Progress& progress) {
+TransferEstimate encoding_of(Stack& stack, const Progress& progress) {
     if (stack.is_raw) return {Transfer{}, "camera raw", {}, {}};
-    if (stack.transfer || stack.bits == 32) return estimate_transfer(stack, Survey{});
-    return decide_transfer(stack, survey(stack, {}, progress));
+    const bool may_be_scaled = stack.bits == 16 || (stack.bits == 32 && !stack.says_linear);
+    if (!may_be_scaled && (stack.transfer || stack.bits == 32)) return estimate_transfer(stack, Survey{});
+    Survey surveyed = survey(stack, {}, progress);
+    if (take_full_scale(stack, surveyed)) surveyed = survey(stack, {}, progress);
+    return decide_transfer(stack, surveyed);
 }
 
 // Decodes all raws of the stack once. LibRaw holds several copies of a picture, so few are decoded side by
@@ -281,8 +285,9 @@ DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress&
     if (!report_.encoding.warning.empty()) stack.warnings.push_back(report_.encoding.warning);
 
     const fs::path first = stack.photos.front().path;
-    const FrameContext context{PhotoFile(first).header(), first, report_.encoding.transfer,
-                               stack.develop.demosaic};
+    const FrameContext context{PhotoFile(first).header(), first,
+                               report_.encoding.transfer, stack.develop.demosaic,
+                               stack.full_scale,          stack.float_codes};
     const auto development = std::make_shared<Development>();
     Development& d = *development;
     d.encoding = report_.encoding.transfer;

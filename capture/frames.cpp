@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/full_scale.h"
 #include "capture/survey.h"
 #include "surface/error.h"
 #include "surface/visible_files.h"
@@ -68,14 +69,17 @@ void for_rows(Frame& frame, const FrameContext& context, const Body& body) {
 
 void add(PhotoFile& file, const FrameContext& context, float weight, AveragedFrame& average) {
     const PhotoHeader& header = file.header();
-    const Transfer transfer = header.is_raw || header.is_float ? Transfer{} : context.encoding;
-    const float clipped = header.is_float ? std::numeric_limits<float>::infinity() : kClipped;
+    const bool is_light = header.is_raw || (header.is_float && !context.float_codes);
+    const Transfer transfer = is_light ? Transfer{} : context.encoding;
+    const float clipped = header.is_float && is_light ? std::numeric_limits<float>::infinity() : kClipped;
     std::vector<float> stored;
     double sum = 0;
     std::size_t bright = 0, missing = 0;
     for_rows(*average.frame, context, [&](int y0, std::vector<float>& rows) {
         stored.resize(rows.size());
         file.read_rows(y0, y0 + static_cast<int>(rows.size() / row_of(context)), stored);
+        if (context.full_scale != 1 || context.float_codes)
+            divide_by_full_scale(stored, context.full_scale, !is_light);
         for (std::size_t i = 0; i < rows.size(); ++i) {
             if (std::isnan(stored[i])) {  // no sample: the mean is not known there
                 rows[i] = stored[i];
@@ -149,7 +153,7 @@ std::shared_ptr<Frame> gain_of_flat(AveragedFrame& flat, const Frame* dark, cons
         }
     });
     const double pixels = static_cast<double>(context.like.width) * context.like.height;
-    const double darkest = context.like.is_float ? 0 : kDarkestMean;
+    const double darkest = context.like.is_float && !context.float_codes ? 0 : kDarkestMean;
     for (double& m : mean) {
         m /= static_cast<double>(std::max(known / channels, std::size_t{1}));
         if (!(m > darkest))

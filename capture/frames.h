@@ -17,6 +17,8 @@ struct FrameContext {
     std::filesystem::path like_path;  // one of them, for messages
     Transfer encoding;                // of integer files that are not raw
     std::string demosaic = "AHD";
+    double full_scale = 1;     // as Stack::full_scale
+    bool float_codes = false;  // as Stack::float_codes
 };
 
 struct FrameSummary {

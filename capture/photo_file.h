@@ -12,13 +12,17 @@ namespace tangi {
 // What a photograph's header says.
 struct PhotoHeader {
     int width = 0, height = 0;  // of an EXR file's display window
-    int channels = 0;           // 1 (grey) or 3; alpha is dropped
-    int bits = 0;               // 8 or 16; 32 for any kind of float
-    bool is_float = false;      // EXR, float TIFF or L*a*b*: linear light
-    bool is_raw = false;        // camera raw: linear light in the camera's primaries, 16 bit
-    int orientation = 1;        // EXIF; anything but 1 means that viewers turn the picture
+    int channels = 0;           // 1 (grey) or 3
+    int bits = 0;               // 8 or 16 (of integers of 32 bits, too); 32 for any kind of float
+    bool is_float = false;      // EXR, float TIFF or L*a*b*
+    // Floats that are linear light for certain: EXR, L*a*b*, and where an ICC profile says how they are
+    // stored, by which they are decoded. Of other floats it is only likely.
+    bool says_linear = false;
+    bool is_raw = false;  // camera raw: linear light in the camera's primaries, 16 bit
+    int orientation = 1;  // EXIF; anything but 1 means that viewers turn the picture
     // What is to be told of how the file was understood, without its name: several pictures in it, pixels
-    // that are not square, an EXR file whose data window is not all of its display window, a damaged profile.
+    // that are not square, an EXR file whose data window is not all of its display window, a damaged profile,
+    // floats that a profile says are encoded.
     std::vector<std::string> doubts{};
 };
 
@@ -48,20 +52,28 @@ public:
 
     // Rows y0 <= y < y1 as stored, interleaved, width * channels values a row; integers are scaled to 0..1.
     // NaN in all channels, which is no sample, where the file has no pixel (outside of an EXR file's data
-    // window) or a channel holds no number that light can have (is_light()). `values` holds at least
-    // (y1 - y0) * width * channels floats. Throws Error naming file and row.
+    // window), is more transparent than not (alpha below 0.5), or a channel holds no number that light can
+    // have (is_light()). Colours that were multiplied by alpha are divided by it. Of floats that a profile
+    // says are encoded: linear light, and no sample where a channel has full scale, which is what clipping
+    // leaves. `values` holds at least (y1 - y0) * width * channels floats. Throws Error naming file and row.
     void read_rows(int y0, int y1, std::span<float> values);
 
     // Pixels of the rows read so far that held what is no number.
     long without_number() const { return without_number_; }
+    // ... that are transparent.
+    long transparent() const { return transparent_; }
 
 private:
     struct Decoder;
     void read_raw_rows(int y0, int y1, std::span<float> values);
+    void open_picture();
+    void read_with_alpha(int y0, int y1, std::span<float> values);
+    void require_no_negative(int y0, int y1, std::span<const float> values) const;
+    void mask_transparent(std::span<float> values);
     void mask_what_is_no_number(int y0, std::span<float> values);
     std::filesystem::path path_;
     PhotoHeader header_;
-    long without_number_ = 0;
+    long without_number_ = 0, transparent_ = 0;
     std::unique_ptr<Decoder> decoder_;
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "capture/exposure_merge.h"
+#include "capture/full_scale.h"
 #include "capture/photo_profiles.h"
 #include "capture/survey.h"
 #include "surface/error.h"
@@ -53,6 +54,8 @@ PhotoSource::PhotoSource(const Stack& stack, const StackPhoto& photo) : stack_(s
         add(photo.path, 1);
     else
         for (const Exposure& exposure : photo.exposures) add(exposure.path, exposure.relative);
+    header_ = files_.front().header();
+    if (stack.float_codes) header_.is_float = false, header_.bits = 16;
 }
 
 long PhotoSource::without_number() const {
@@ -61,13 +64,21 @@ long PhotoSource::without_number() const {
     return pixels;
 }
 
+long PhotoSource::transparent() const {
+    long pixels = 0;
+    for (const PhotoFile& file : files_) pixels += file.transparent();
+    return pixels;
+}
+
 void PhotoSource::read_stored(std::size_t exposure, int y0, int y1, std::span<float> values) {
     if (raws_[exposure] < 0) {
         files_[exposure].read_rows(y0, y1, values);
         const auto row =
             static_cast<std::size_t>(header().width) * static_cast<std::size_t>(header().channels);
-        if (profiles_[exposure])
-            profiles_[exposure]->convert(values.first(row * static_cast<std::size_t>(y1 - y0)));
+        const std::span<float> read = values.first(row * static_cast<std::size_t>(y1 - y0));
+        if (stack_.full_scale != 1 || stack_.float_codes)
+            divide_by_full_scale(read, stack_.full_scale, !header().is_float);
+        if (profiles_[exposure]) profiles_[exposure]->convert(read);
         return;
     }
     codes_.resize(values.size());

@@ -99,6 +99,7 @@ void check_headers(Stack& stack) {
     stack.channels = first->channels;
     stack.bits = first->bits;
     stack.is_raw = first->is_raw;
+    stack.says_linear = first->says_linear;
     stack.orientation = first->orientation;
     stack.crop = {0, 0, first->width, first->height};
 }

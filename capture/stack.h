@@ -60,9 +60,14 @@ struct Stack {
     Region crop;                       // in the whole picture; (0, 0) of the stack is its corner
     // The whole picture, where that is not the photographs as they are: undistorted, rectified.
     std::optional<PictureGeometry> geometry{};
-    int channels = 3;                    // 1 or 3, the same in all photographs
-    int bits = 8;                        // as PhotoHeader::bits; 32 once developed: linear light
-    bool is_raw = false;                 // camera raw
+    int channels = 3;          // 1 or 3, the same in all photographs
+    int bits = 8;              // as PhotoHeader::bits; 32 once developed: linear light
+    bool is_raw = false;       // camera raw
+    bool says_linear = false;  // as PhotoHeader::says_linear
+    // [1] Of the files' numbers: the stored value that is full scale, by which they are divided. Below 1 for
+    // integers of fewer bits than their files have, above 1 for floats that are codes (full_scale.h).
+    double full_scale = 1;
+    bool float_codes = false;            // files of floats that are read as integers of 16 bits
     int orientation = 1;                 // EXIF, of all; not applied
     std::optional<Transfer> transfer{};  // empty until known (estimate_transfer)
     // From a capture.json, .dome or .relight, in the frame of the crop; the lights have positions and gains
@@ -147,6 +152,7 @@ public:
 
     // Of the rows of a photograph read so far (PhotoFile::without_number()).
     long without_number(std::size_t photo) const;
+    long transparent(std::size_t photo) const;  // PhotoFile::transparent()
 
     // Rows a band may have for it to take about `bytes` of memory; at least 1.
     int rows_for(std::size_t bytes) const;

@@ -67,6 +67,8 @@ StackReader::~StackReader() = default;
 
 long StackReader::without_number(std::size_t photo) const { return files_[photo].without_number(); }
 
+long StackReader::transparent(std::size_t photo) const { return files_[photo].transparent(); }
+
 int StackReader::rows_for(std::size_t bytes) const {
     const std::size_t row = sizeof(float) * files_.size() * static_cast<std::size_t>(stack_.channels) *
                             static_cast<std::size_t>(stack_.width());

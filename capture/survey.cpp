@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "capture/stack_calibration.h"
@@ -46,6 +47,14 @@ std::uint32_t dithered(std::uint32_t x, std::uint32_t y) {
     x += 2, y += 2;  // so that the first cells are as far from the picture's axes as from each other
     for (int bit = 0; bit < 6; ++bit, x >>= 1, y >>= 1) rank = rank << 2 | ((x ^ y) & 1) << 1 | (y & 1);
     return rank;
+}
+
+// `maximum` is that of the row.
+void count_maximum(Survey::Photo& photo, std::span<const float> row, float maximum) {
+    if (static_cast<double>(maximum) < photo.maximum) return;
+    if (static_cast<double>(maximum) > photo.maximum) photo.at_maximum = 0;
+    photo.maximum = static_cast<double>(maximum);
+    photo.at_maximum += std::count(row.begin(), row.end(), maximum);
 }
 
 struct SamplePlace {
@@ -149,7 +158,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
                             beyond += value >= clipped;
                         }
                         for (const double sum : sums) photo.mean += sum;
-                        photo.maximum = std::max<double>(photo.maximum, maximum);
+                        count_maximum(photo, {row, static_cast<std::size_t>(stack.width())}, maximum);
                         photo.clipped += beyond;
                         missing[static_cast<std::size_t>(i)] += absent;
                     }
@@ -169,6 +178,7 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
         result.photos[i].clipped /= present;
         result.photos[i].present = (count - static_cast<double>(missing[i])) / count;
         result.photos[i].without_number = reader.without_number(i);
+        result.photos[i].transparent = reader.transparent(i);
     }
     report(progress, "survey", 1);
     return result;
@@ -176,15 +186,17 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
 
 void tell_pixels_without_number(Stack& stack, const Survey& survey) {
     TP_REQUIRE(stack.photos.size() == survey.photos.size(), "the survey is of this stack");
-    std::vector<std::string> told;
-    for (std::size_t i = 0; i < stack.photos.size(); ++i)
-        if (const long pixels = survey.photos[i].without_number; pixels > 0)
-            told.push_back(fmt::format("{} of {}", pixels, stack.photos[i].light.name));
-    if (told.empty()) return;
-    stack.warnings.push_back(
-        fmt::format("{}: pixels hold no number that light can have (NaN, infinite), and count as not "
-                    "photographed: {}",
-                    stack.folder.string(), joined(told)));
+    const auto tell = [&](const char* what, long Survey::Photo::*pixels) {
+        std::vector<std::string> told;
+        for (std::size_t i = 0; i < stack.photos.size(); ++i)
+            if (const long count = survey.photos[i].*pixels; count > 0)
+                told.push_back(fmt::format("{} of {}", count, stack.photos[i].light.name));
+        if (!told.empty())
+            stack.warnings.push_back(fmt::format("{}: {}, and count as not photographed: {}",
+                                                 stack.folder.string(), what, joined(told)));
+    };
+    tell("pixels hold no number that light can have (NaN, infinite)", &Survey::Photo::without_number);
+    tell("pixels are transparent (alpha below one half)", &Survey::Photo::transparent);
 }
 
 void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
@@ -214,7 +226,8 @@ void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
                                                  of.size() == 1 ? one : several, fmt::join(of, ", ")));
     };
     tell(names, "is black", "are black");
-    tell(empty, "has no pixel here with a number", "have no pixel here with a number");
+    tell(empty, "has no pixel here with a number, or all of them are transparent",
+         "have no pixel here with a number, or all of them are transparent");
     names.insert(names.end(), empty.begin(), empty.end());
     constexpr std::size_t of_a_fit = 4;
     const std::string needed = fmt::format("at least {} {} needed", fewest,

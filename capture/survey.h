@@ -16,12 +16,14 @@ struct SurveyOptions {
 // Values as stored (encoded, 0..1) of a sample of pixels under every light.
 struct Survey {
     struct Photo {
-        double mean = 0;     // [1] of all channels, encoded
-        double maximum = 0;  // [1]
-        double clipped = 0;  // [1] part of the values that are clipped
-        double present = 1;  // [1] part of the values that are there: not NaN
+        double mean = 0;      // [1] of all channels, encoded
+        double maximum = 0;   // [1]
+        long at_maximum = 0;  // values that are just that
+        double clipped = 0;   // [1] part of the values that are clipped
+        double present = 1;   // [1] part of the values that are there: not NaN
         // Pixels of its rows that held no number (PhotoFile::without_number())
         long without_number = 0;
+        long transparent = 0;  // pixels of its rows that were (PhotoFile::transparent())
     };
     std::vector<Photo> photos;
     int channels = 3;
@@ -49,7 +51,7 @@ constexpr float kClipped = 253.0f / 255;
 Survey survey(const Stack& stack, const SurveyOptions& options = {}, const Progress& progress = {},
               const std::function<void(const Band&)>& seen = {});
 
-// Warns of photographs in which pixels held no number, naming each, and how many pixels.
+// Warns of photographs in which pixels held no number, or were transparent, naming each, and how many pixels.
 void tell_pixels_without_number(Stack& stack, const Survey& survey);
 
 // Takes photographs without light out of the stack and the survey, with a warning that names them: brighter

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "capture/compression.h"
+#include "capture/full_scale.h"
 #include "capture/stray_photos.h"
 #include "capture/transfer_metadata.h"
 #include "fit/turned_photos.h"
@@ -52,6 +53,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     warn_of_compression(stack);
     if (!register_photos) {
         result.survey = survey(stack, {}, progress);
+        if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
         tell_pixels_without_number(stack, result.survey);
         leave_out_strays(stack, result.survey, result.left_out);
         result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
@@ -61,6 +63,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
     result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
+    if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
     tell_pixels_without_number(stack, result.survey);
     leave_out_strays(stack, result.survey, result.left_out);
     result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
@@ -108,6 +111,7 @@ std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& 
     std::vector<LeftOut> left_out;
     while (true) try {
             Survey surveyed = survey(stack, {}, progress);
+            if (take_full_scale(stack, surveyed)) continue;
             tell_pixels_without_number(stack, surveyed);
             const std::vector<std::string> before = names_of(stack);
             leave_out_black_photos(stack, surveyed, kFewest);
