@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "bad_stack.h"
+#include "picture_metadata.h"
 #include "tiff_writer.h"
 
 namespace tangi {
@@ -191,6 +192,25 @@ TEST(CliStrangePhoto, LiesInTheFolderThatWasNamed) {
     expect_warned(stack,
                   {"lists 12 of 12 photographs in another folder", old.string(), "as that folder was named"});
     EXPECT_TRUE(images_identical(fitted(stack, "b.exr").normal, clean.normal));
+}
+
+// Pixels that say that they are not square make the result poor, of both commands.
+TEST(CliStrangePhoto, HasPixelsThatAreNotSquare) {
+    const TinyStack stack;
+    const std::string squares = png_chunk_of("pHYs", be32(2000) + be32(1000) + "\1");  // pixels a metre
+    constexpr std::size_t behind_size = 33;                                            // signature and IHDR
+    for (int i = 0; i < 12; ++i) {
+        const std::string bytes = read_text_file(stack.photo(i));
+        write_bytes(stack.photo(i), bytes.substr(0, behind_size) + squares + bytes.substr(behind_size));
+    }
+    const std::vector<std::string> words = {"0.5 times as wide as they are high", "resample"};
+    const Finished fit = tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")});
+    EXPECT_TRUE(ended(fit, 3, words));
+    EXPECT_FALSE(fit.json()["poor"].empty());
+    const Finished compare =
+        tangipaint({"compare", stack.out("a.exr"), stack.path(), "--out", stack.out("c")});
+    EXPECT_TRUE(ended(compare, 3, words));
+    EXPECT_FALSE(compare.json()["poor"].empty());
 }
 
 }  // namespace
