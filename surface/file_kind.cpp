@@ -73,7 +73,7 @@ constexpr std::array<Beginning, 27> kBeginnings = {
      {0, "version https://git-lfs"sv, "a pointer of Git LFS",
       "not the picture, which git lfs pull fetches"}}};
 
-std::string in_words(const Beginning& found) { return fmt::format("is {}, {}", found.kind, found.remedy); }
+std::string in_words(const Beginning& found) { return fmt::format("{}, {}", found.kind, found.remedy); }
 
 // A page that a server sent in place of the picture, or other text.
 std::string of_text(std::string_view head) {
@@ -81,36 +81,46 @@ std::string of_text(std::string_view head) {
     if (first == std::string_view::npos) return {};
     const std::string begin = lower_case(head.substr(first, 512));
     if (begin.starts_with("<!doctype html") || begin.starts_with("<html"))
-        return fmt::format("is a web page (HTML), {}", kFetchAgain);
+        return fmt::format("a web page (HTML), {}", kFetchAgain);
     if (begin.starts_with("<svg") || (begin.starts_with("<?xml") && begin.find("<svg") != std::string::npos))
-        return fmt::format("is an SVG drawing, {}", kConvert);
-    if (begin.starts_with("<?xml") || begin.starts_with("<x:xmpmeta")) return "is an XML file, not a picture";
+        return fmt::format("an SVG drawing, {}", kConvert);
+    if (begin.starts_with("<?xml") || begin.starts_with("<x:xmpmeta")) return "an XML file, not a picture";
     const bool printable = std::all_of(head.begin(), head.end(), [](char c) {
         return static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\r' || c == '\t';
     });
-    return printable ? fmt::format("is a text, {}", kFetchAgain) : std::string();
+    return printable ? fmt::format("a text, {}", kFetchAgain) : std::string();
 }
 
 }  // namespace
 
-std::string what_it_is_instead(const FileBytes& file) {
+namespace {
+
+// Empty where it is none of these.
+std::string kind_of_file(const FileBytes& file) {
     if (file.size() == 0)
-        return "is empty (0 bytes): the copy or download failed; copy it again from where it came";
+        return "empty (0 bytes), as a copy or download leaves it that failed; copy it again";
     const std::string head = file.bytes(0, std::min<std::uint64_t>(file.size(), 1024));
     const auto has = [&](const Beginning& b) {
         return head.size() >= b.at + b.bytes.size() && head.compare(b.at, b.bytes.size(), b.bytes) == 0;
     };
     if (head.compare(0, 4, "RIFF") == 0 && !has(kBeginnings[0]))
-        return "is a sound or a film (RIFF), not a photograph";
+        return "a sound or a film (RIFF), not a photograph";
     if (head.size() >= 12 && head.compare(4, 4, "ftyp") == 0)
         return in_words(*std::find_if(kBrands.begin(), kBrands.end() - 1, has));
     if (const auto found = std::find_if(kBeginnings.begin(), kBeginnings.end(), has);
         found != kBeginnings.end())
         return in_words(*found);
     if (head.find_first_not_of('\0') == std::string::npos)
-        return "begins with nothing but zeros: the disk or the copy failed; copy it again from where it came";
-    if (std::string text = of_text(head); !text.empty()) return text;
-    return "is not a picture that can be read: it is no PNG, JPEG, TIFF, EXR, TGA or BMP file";
+        return "nothing but zeros at its beginning, as a disk or a copy leaves it that failed; copy it again";
+    return of_text(head);
+}
+
+}  // namespace
+
+std::string what_it_is_instead(const FileBytes& file) {
+    const std::string kind = kind_of_file(file);
+    return "is not a picture that can be read: it is " +
+           (kind.empty() ? "no PNG, JPEG, TIFF, EXR, TGA or BMP file" : kind);
 }
 
 }  // namespace tangi

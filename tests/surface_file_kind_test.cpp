@@ -50,14 +50,14 @@ TEST(FileKind, IsToldOfWhatIsNoPicture) {
         {"Error 404", "is a text"},
         {std::string("\0\5\x16\7\0\2\0\0Mac OS X", 16), "is what macOS keeps beside a file"},
         {"", "is empty (0 bytes)"},
-        {std::string(5000, '\0'), "begins with nothing but zeros"},
+        {std::string(5000, '\0'), "is nothing but zeros"},
         {"P6 1 1 255\nabc", "is a PPM picture"},
         {"SIMPLE  =                    T", "is a FITS picture"},
-        {"\x01\x02\x03\xF0 nothing known", "is not a picture that can be read: it is no PNG"}};
+        {"\x01\x02\x03\xF0 nothing known", "is no PNG, JPEG, TIFF, EXR, TGA or BMP file"}};
     for (const auto& [bytes, words] : files) {
         write_bytes(dir / "photo.jpg", bytes);
         EXPECT_THAT(error_of([&] { read_picture(dir / "photo.jpg"); }),
-                    HasSubstr(std::string("photo.jpg: ") + words));
+                    HasSubstr(std::string("photo.jpg: is not a picture that can be read: it ") + words));
     }
 }
 
