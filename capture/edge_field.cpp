@@ -218,17 +218,19 @@ Region centres_around(const CircleSearch& search, double radius) {
 
 std::vector<Circle> find_circles(const EdgeField& field, const CircleSearch& search) {
     if (search.largest_px > kLargestHough) {
-        // Small circles at full size even so: how large others may be is nothing to them.
-        CircleSearch large = search, small = search;
-        large.smallest_px = std::max(search.smallest_px, kLargestHough / 1.1);
-        std::vector<Circle> circles = circles_in_half(field, large);
+        std::vector<Circle> circles = circles_in_half(field, search);
+        // Small ones at full size as well: how large others may be is nothing to them.
         if (search.smallest_px < kLargestHough) {
+            CircleSearch small = search;
             small.largest_px = kLargestHough;
             small.centres = centres_around(search, kLargestHough);
             const std::vector<Circle> more = find_circles(field, small);
             circles.insert(circles.end(), more.begin(), more.end());
         }
-        return distinct(std::move(circles), search);
+        CircleSearch both =
+            search;  // a pattern of small circles is not to take the places of all larger ones
+        both.most = static_cast<int>(circles.size());
+        return distinct(std::move(circles), both);
     }
     std::vector<double> radii;
     for (double radius = search.smallest_px; radius <= search.largest_px;

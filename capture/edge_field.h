@@ -39,7 +39,7 @@ struct CircleSearch {
     double smallest_px = 8, largest_px = 100;  // radius
     Region centres;                            // where the centre may lie
     std::vector<glm::dvec2> inside;            // points of which most lie in the circle
-    int most = 12;                             // circles wanted
+    int most = 12;  // circles wanted, of the sizes that are sought in one size of picture
 };
 
 // The circles with the best scores, best first: Hough's transform (Kimme, Ballard, Sklansky 1975: edges vote
