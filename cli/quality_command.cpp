@@ -12,6 +12,7 @@
 #include "paint/canvas_file.h"
 #include "paint/retouch/quality.h"
 #include "paint/retouch/treatment_area.h"
+#include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
@@ -125,6 +126,34 @@ std::string new_folder(const Treatment& treatment) {
             return name;
 }
 
+// What the treatment keeps of it; `pictures`: the folder that they are in now, `within`: that they are for.
+TreatmentStep step_of(const QualityArguments& a, const nlohmann::json& result, const fs::path& pictures,
+                      const std::string& within) {
+    nlohmann::json parameters = to_json(a.options);
+    parameters["annulus"] = to_json(a.options.annulus);
+    parameters["lamps"] = a.lamps;
+    parameters["area"] = a.area.empty() ? nlohmann::json("retouches") : a.area.as_json();
+    TreatmentStep step{
+        .action = "quality", .parameters = parameters, .results = result, .inputs = a.area.inputs()};
+    if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
+    for (const auto& file : fs::directory_iterator(pictures))
+        step.copies[within + "/" + file.path().filename().string()] = file.path();
+    return step;
+}
+
+// Regions and their mean under each lamp, weighted by their areas.
+nlohmann::json as_json(const QualityReport& report, const std::vector<Illuminant>& lamps) {
+    nlohmann::json regions = nlohmann::json::array(), mean = nlohmann::json::object();
+    for (const RetouchQuality& q : report.regions) regions.push_back(as_json(q));
+    for (const Illuminant lamp : lamps) {
+        double sum = 0, area = 0;
+        for (const RetouchQuality& q : report.regions)
+            sum += q.area_mm2 * q.delta_e[static_cast<std::size_t>(lamp)], area += q.area_mm2;
+        mean[std::string(name_of(lamp))] = sum / area;
+    }
+    return {{"delta_e_2000", mean}, {"regions", regions}};
+}
+
 nlohmann::json run_quality(const QualityArguments& a) {
     const std::vector<Illuminant> lamps = lamps_in(a.lamps, "--lamps");
     require_sound(a);
@@ -150,36 +179,20 @@ nlohmann::json run_quality(const QualityArguments& a) {
         treatment ? treatment->scale_known() : canvas.dry().scale_known || a.mm_per_pixel;
     const std::string within = treatment ? new_folder(*treatment) : "";
     const fs::path folder = treatment ? treatment->folder() / within : fs::path(a.out);
-    FolderFiles written(folder);  // all of them, or none
-    told_of(written.temporary(), folder,
-            [&] { write_pictures(written.temporary(), report, std::move(canvas), progress); });
-    nlohmann::json regions = nlohmann::json::array();
-    for (const RetouchQuality& q : report.regions) regions.push_back(as_json(q));
-    nlohmann::json mean = nlohmann::json::object();
-    for (const Illuminant lamp : lamps) {
-        double sum = 0, area = 0;
-        for (const RetouchQuality& q : report.regions)
-            sum += q.area_mm2 * q.delta_e[static_cast<std::size_t>(lamp)], area += q.area_mm2;
-        mean[std::string(name_of(lamp))] = sum / area;
-    }
-    const nlohmann::json result_in_mm = {{"delta_e_2000", mean}, {"regions", regions}};
-    nlohmann::json result = in_known_units(result_in_mm, mm_per_pixel, scale_known);
+    // All of them, or none. Of a treatment they wait where the next command looks for what was left.
+    FolderFiles written(treatment ? treatment->folder() : folder);
+    const fs::path pictures = treatment ? written.temporary() / within : written.temporary();
+    told_of(pictures, folder, [&] {
+        make_folder(pictures);
+        write_pictures(pictures, report, std::move(canvas), progress);
+    });
+    nlohmann::json result = in_known_units(as_json(report, lamps), mm_per_pixel, scale_known);
     nlohmann::json raking = nlohmann::json::array();
     for (const auto& [name, unused] : kRaking) raking.push_back((folder / raking_picture(name)).string());
-    if (treatment) {
-        nlohmann::json parameters = to_json(a.options);
-        parameters["annulus"] = to_json(a.options.annulus);
-        parameters["lamps"] = a.lamps;
-        parameters["area"] = a.area.empty() ? nlohmann::json("retouches") : a.area.as_json();
-        TreatmentStep step{
-            .action = "quality", .parameters = parameters, .results = result, .inputs = a.area.inputs()};
-        if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
-        for (const auto& file : fs::directory_iterator(written.temporary()))
-            step.copies[within + "/" + file.path().filename().string()] = file.path();
-        treatment->record(step, a.author.author(), progress);
-    } else {
+    if (treatment)
+        treatment->record(step_of(a, result, pictures, within), a.author.author(), progress);
+    else
         written.place();
-    }
     result["folder"] = folder.string();
     result["raking"] = raking;
     return result;

@@ -12,7 +12,9 @@
 #include <utility>
 
 #include "surface/atomic_file.h"
+#include "surface/atomic_folder.h"
 #include "surface/error.h"
+#include "surface/file_bytes.h"
 #include "surface/icc_profile.h"
 #include "surface/json_text.h"
 #include "surface/letter_case.h"
@@ -146,8 +148,10 @@ void write_samples(const fs::path& path, const RowSource& rows, const Region& si
     file.write(is_tiff ? memory_file->bytes()
                        : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
     // OpenEXR (3.1) may leave out rows without a word where there was no memory to pack them.
-    if (extension == ".exr" && !is_readable("openexr", file.temporary().string()))
+    if (extension == ".exr" && !is_readable("openexr", file.temporary().string())) {
+        told_of(file.temporary(), path, [&] { require_readable(file.temporary()); });  // or the disk fails
         fail("{}: cannot be written: {}", path.string(), kNoMemory);
+    }
     file.commit();
 }
 

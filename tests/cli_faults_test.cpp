@@ -35,6 +35,45 @@ TEST_F(CliFaults, TreatmentReport) {
                {"info", "p.exr"}});
 }
 
+// Its maps wait where nobody sees them, and where the next command looks.
+TEST_F(CliFaults, QualityOfATreatmentThatIsKilled) {
+    const Words loss = {"--polygon", "-2,-2;2,-2;2,2"};
+    const auto with_loss = [&](Words command) {
+        command.insert(command.end(), loss.begin(), loss.end());
+        return command;
+    };
+    start_from(given());
+    for (const Words& command : {kBegin, with_loss({"retouch", "--treatment", "T"})})
+        ASSERT_TRUE(is_done(run(command)));
+    const State before = visible(root());
+    const Words quality = {"quality", "--treatment", "T"};
+    const Finished killed = run(quality, {{"TP_FAULT_AT", "20"}, {"TP_FAULT_ERRNO", "0"}});
+    ASSERT_EQ(killed.code, 128 + SIGKILL) << killed.err;
+    EXPECT_EQ(names_that_differ(visible(root()), before), Words());
+    EXPECT_NE(left_in(root()), Words());
+    ASSERT_TRUE(is_done(run(quality)));
+    EXPECT_EQ(left_in(root()), Words());
+    EXPECT_TRUE(visible(root()).contains("T/quality/1/gloss.exr"));
+}
+
+// What was written is read back before it is put in place: a disk that fails is no lack of memory.
+TEST_F(CliFaults, MapsThatTheDiskDoesNotGiveBack) {
+    start_from(given());
+    const Words command = {"export", "p.exr", "--to", "maps", "--out", "e"};
+    const Words reads = traced(command, {{"TP_FAULT_READS", "1"}});
+    const auto first = std::ranges::find_if(reads, [](const std::string& call) {
+        return call.starts_with("read") && call.ends_with(".exr") && call.find(".tmp") != std::string::npos;
+    });
+    ASSERT_NE(first, reads.end());
+    start_from(given());
+    const Finished failed =
+        run(command, {{"TP_FAULT_READS", "1"}, {"TP_FAULT_AT", std::to_string(first - reads.begin() + 1)}});
+    EXPECT_EQ(failed.code, 1);
+    EXPECT_THAT(failed.err, testing::HasSubstr("cannot be read: Input/output error"));
+    EXPECT_THAT(failed.err, testing::Not(testing::HasSubstr(".tmp")));
+    EXPECT_FALSE(fs::exists(root() / "e"));
+}
+
 TEST_F(CliFaults, Fit) {
     const Words fit = {"fit", "photos", "--out", "a.exr", "--report", "a.html"};
     Words other = fit;

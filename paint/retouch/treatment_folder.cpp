@@ -116,21 +116,28 @@ const LogEntry* pending_line(const fs::path& pending, const TreatmentLog& log) {
     return nullptr;
 }
 
-void move_into_place(const fs::path& folder, const LogEntry& entry) {
+// Files of a step, relative to the folder of what is pending.
+std::vector<fs::path> files_of_step(const fs::path& pending) {
+    std::vector<fs::path> files;
+    for (const auto& file : fs::recursive_directory_iterator(pending))
+        if (file.is_regular_file() && file.path() != pending / kStepFile)
+            files.push_back(file.path().lexically_relative(pending));
+    return files;
+}
+
+// `files`: files_of_step().
+void move_into_place(const fs::path& folder, const LogEntry& entry, const std::vector<fs::path>& files) {
     const fs::path pending = folder / kPending;
     const auto unfinished = [&](const fs::path& file, const std::string& why) {
         fail("{}: cannot be put in its place: {}; the step is in the log, and the next command finishes it",
              file.string(), why);
     };
-    std::vector<fs::path> files;
-    for (const auto& file : fs::recursive_directory_iterator(pending))
-        if (file.is_regular_file() && file.path() != pending / kStepFile) files.push_back(file.path());
     std::set<fs::path> changed = {folder};
     for (const fs::path& file : files) {
-        const fs::path place = folder / file.lexically_relative(pending);
+        const fs::path place = folder / file;
         std::error_code failed;
         fs::create_directories(place.parent_path(), failed);
-        if (!failed) fs::rename(file, place, failed);
+        if (!failed) fs::rename(pending / file, place, failed);
         if (failed) unfinished(place, failed.message());
         changed.insert(place.parent_path());
     }
@@ -212,7 +219,7 @@ void settle_pending(const fs::path& folder) {
     const LogEntry* line = pending_line(pending, log);
     if (!line) return clear_pending(pending);
     log.complete_head(held);
-    move_into_place(folder, *line);
+    move_into_place(folder, *line, files_of_step(pending));
 }
 
 void require_form(const TreatmentLog& log) {
@@ -259,10 +266,11 @@ fs::path PendingStep::file(const std::string& path) const {
 }
 
 void PendingStep::commit(TreatmentLog& log, json entry, const std::function<void()>& elsewhere) {
-    MadeFolders made;  // a disk that has no room for them has none before the line is written
-    for (const auto& file : fs::recursive_directory_iterator(folder_ / kPending))
-        if (file.is_regular_file())
-            made.make((folder_ / file.path().lexically_relative(folder_ / kPending)).parent_path());
+    // A disk that does not give their names, or has no room for their folders, does not before the line is
+    // written.
+    const std::vector<fs::path> files = files_of_step(folder_ / kPending);
+    MadeFolders made;
+    for (const fs::path& file : files) made.make((folder_ / file).parent_path());
     try {
         log.append(std::move(entry), held_, elsewhere);
         made.keep();
@@ -271,7 +279,7 @@ void PendingStep::commit(TreatmentLog& log, json entry, const std::function<void
         throw;
     }
     logged_ = true;
-    move_into_place(folder_, log.entries().back());
+    move_into_place(folder_, log.entries().back(), files);
 }
 
 }  // namespace tangi
