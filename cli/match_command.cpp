@@ -17,6 +17,7 @@
 #include "surface/atomic_file.h"
 #include "surface/atomic_folder.h"
 #include "surface/error.h"
+#include "surface/output_set.h"
 #include "surface/picture_file.h"
 
 namespace tangi {
@@ -213,23 +214,52 @@ void require_one_target(const MatchArguments& a) {
         throw UsageError("--below: says what a film lies on; give its thickness by --film-mm");
 }
 
+// What the command writes: put in place together, when all of it is there.
+struct MatchFiles {
+    std::optional<AtomicFile> pairs, swatch;
+    OutputSet set;
+};
+
+void write_pairs(const MatchArguments& a, MatchFiles& files) {
+    if (a.save_pairs.empty()) return;
+    refuse_to_overwrite(a.save_pairs, a.box.inputs());
+    files.pairs.emplace(a.save_pairs).write(usual_pigment_pairs_text());
+    files.set.add(*files.pairs);
+}
+
+void require_sound_swatch(const MatchArguments& a) {
+    if (a.swatch.empty()) return;
+    std::vector<fs::path> inputs = a.box.inputs();
+    for (const std::string& file : {a.spectrum, a.painting, a.damaged})
+        if (!file.empty()) inputs.emplace_back(file);
+    for (const fs::path& file : a.area.inputs()) inputs.push_back(file);
+    refuse_to_overwrite(a.swatch, inputs);
+    require_picture_format(a.swatch);
+    std::error_code missing;
+    if (a.swatch == a.save_pairs || fs::equivalent(a.swatch, a.save_pairs, missing))
+        fail("--swatch {}: is the file of --save-pairs too; choose another name", a.swatch);
+}
+
+void write_swatch(const MatchArguments& a, const Image<Rgb>& swatches, MatchFiles& files) {
+    const bool linear = lower_extension(a.swatch) == ".exr";
+    told_of(files.swatch.emplace(a.swatch).temporary(), a.swatch, [&] {
+        write_picture(files.swatch->temporary(), swatches,
+                      linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+    });
+    files.set.add(*files.swatch);
+}
+
 nlohmann::json run_match(const MatchArguments& a) {
-    if (!a.save_pairs.empty()) {
-        refuse_to_overwrite(a.save_pairs, a.box.inputs());
-        write_text_file(a.save_pairs, usual_pigment_pairs_text());
-        if (a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() && a.painting.empty() &&
-            a.treatment.empty())
-            return {{"pairs", a.save_pairs}};
+    MatchFiles files;
+    if (!a.save_pairs.empty() && a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() &&
+        a.painting.empty() && a.treatment.empty()) {
+        write_pairs(a, files);
+        files.set.commit();
+        return {{"pairs", a.save_pairs}};
     }
     require_one_target(a);
-    if (!a.swatch.empty()) {
-        std::vector<fs::path> inputs = a.box.inputs();
-        for (const std::string& file : {a.spectrum, a.painting, a.damaged})
-            if (!file.empty()) inputs.emplace_back(file);
-        for (const fs::path& file : a.area.inputs()) inputs.push_back(file);
-        refuse_to_overwrite(a.swatch, inputs);
-        require_picture_format(a.swatch);
-    }
+    require_sound_swatch(a);
+    write_pairs(a, files);
     const Progress progress = console_progress();
     const PaintBox box = paint_box(a.box);
     MatchOptions options = a.match;
@@ -271,14 +301,8 @@ nlohmann::json run_match(const MatchArguments& a) {
                              {"fewer_paints", by_count},
                              {"seconds", seconds.count()}};
     if (a.film_mm) result["film_mm"] = *a.film_mm;
-    std::optional<AtomicFile> swatch;
     if (!a.swatch.empty()) {
-        const bool linear = lower_extension(a.swatch) == ".exr";
-        told_of(swatch.emplace(a.swatch).temporary(), a.swatch, [&] {
-            write_picture(swatch->temporary(),
-                          recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints),
-                          linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
-        });
+        write_swatch(a, recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints), files);
         result["picture"] = a.swatch;
     }
     if (found.recipes.front().error > kPoorMatch)
@@ -295,9 +319,11 @@ nlohmann::json run_match(const MatchArguments& a) {
         if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
         step.results = result;
         step.results.erase("seconds"), step.results.erase("picture");
+        step.elsewhere = [&] { files.set.commit(); };
         treatment->record(step, a.author.author(), progress);
+    } else {
+        files.set.commit();
     }
-    if (swatch) swatch->commit();
     write_stderr(table_of(found, box));
     return result;
 }

@@ -190,14 +190,15 @@ nlohmann::json run_retouch(RetouchArguments a) {
         step.inputs = a.box.inputs();
         for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
         if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
+        step.elsewhere = [&] { set.commit(); };
         treatment->record(step, a.author.author(), progress);
         result["treatment"] = a.treatment;
     } else {
         fill_canvas(*out, canvas, progress, parts_beside_paint(a.painting, progress));
         set.add(*out);
+        set.commit();
         result["painting"] = a.out;
     }
-    set.commit();
     return result;
 }
 

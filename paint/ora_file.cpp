@@ -3,6 +3,7 @@
 #include <zip.h>
 
 #include <cmath>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "paint/canvas_file.h"
@@ -10,6 +11,7 @@
 #include "paint/paint_words.h"
 #include "surface/error.h"
 #include "surface/html_text.h"
+#include "surface/memory_error.h"
 #include "surface/png_bytes.h"
 
 namespace tangi {
@@ -27,6 +29,7 @@ public:
         int trouble = 0;
         zip_ = zip_open(file.temporary().c_str(), ZIP_CREATE | ZIP_TRUNCATE, &trouble);
         if (zip_) return;
+        if (trouble == ZIP_ER_MEMORY) throw std::bad_alloc();
         zip_error_t error;
         zip_error_init_with_code(&error, trouble);
         const std::string words = zip_error_strerror(&error);
@@ -66,6 +69,8 @@ private:
             failed();
     }
     [[noreturn]] void failed() const {
+        if (zip_error_code_zip(zip_get_error(zip_)) == ZIP_ER_MEMORY || says_no_memory(zip_strerror(zip_)))
+            throw std::bad_alloc();  // zlib's own, too
         fail("{}: cannot be written: {}", target_.string(), zip_strerror(zip_));
     }
 

@@ -8,7 +8,7 @@
 
 namespace tangi {
 
-// Nothing where they are damaged, or are more than `most_bytes` unpacked.
+// Nothing where they are damaged, or are more than `most_bytes` unpacked. Throws std::bad_alloc.
 std::optional<std::string> inflated(std::string_view packed, std::size_t most_bytes);
 
 // The checksum of PNG chunks (ISO/IEC 15948, 5.5).

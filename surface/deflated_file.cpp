@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 
 #include "surface/deflated.h"
 
@@ -11,7 +12,7 @@ namespace tangi {
 std::optional<std::string> inflated(std::string_view packed, std::size_t most_bytes) {
     const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> unpacker(
         libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
-    if (!unpacker) return {};
+    if (!unpacker) throw std::bad_alloc();
     // How long it will be is not told: most texts and profiles become three times as long.
     for (std::size_t room = std::min(4 * packed.size() + 64, most_bytes);;
          room = std::min(4 * room, most_bytes)) {

@@ -74,6 +74,55 @@ TEST_F(CliFaults, MapsThatTheDiskDoesNotGiveBack) {
     EXPECT_FALSE(fs::exists(root() / "e"));
 }
 
+// A picture that cannot be put in its place: nothing has happened, to a treatment as little as beside it.
+TEST_F(CliFaults, PicturesThatBelongToAStep) {
+    start_from(given());
+    ASSERT_TRUE(is_done(run(kBegin)));
+    const fs::path begun = given() / "begun";
+    fs::copy(root(), begun, fs::copy_options::recursive);
+    const State before = visible(root());
+    for (const Words& command :
+         {Words{"match", "--srgb", "#406080", "--max-paints", "1", "--swatch", "s.png", "--save-pairs",
+                "pairs.json"},
+          Words{"match", "--treatment", "T", "--polygon", "-2,-2;2,-2;2,2", "--max-paints", "1", "--swatch",
+                "s.png"},
+          Words{"retouch", "--treatment", "T", "--polygon", "-2,-2;2,-2;2,2", "--preview", "s.png"}}) {
+        SCOPED_TRACE(testing::PrintToString(command));
+        start_from(begun);
+        const Words calls = traced(command, {});
+        const auto named = std::ranges::find_if(
+            calls, [](const auto& call) { return call.starts_with("rename") && call.ends_with("/s.png"); });
+        ASSERT_NE(named, calls.end());
+        start_from(begun);
+        const Finished failed = run(command, {{"TP_FAULT_AT", std::to_string(named - calls.begin() + 1)}});
+        EXPECT_EQ(failed.code, 1);
+        EXPECT_THAT(failed.err, testing::HasSubstr("s.png"));
+        EXPECT_EQ(names_that_differ(visible(root()), before), Words()) << failed.err;
+        EXPECT_EQ(left_in(root()), Words());
+    }
+}
+
+// Libraries that pack say in words of their own that there is no memory.
+TEST_F(CliFaults, PackedExportsWithoutMemory) {
+    start_from(given());
+    for (const char* out : {"e.html", "e.ora"}) {
+        const Words command = {"export", "p.exr", "--to", fs::path(out) == "e.ora" ? "ora" : "web",
+                               "--out",  out};
+        const auto count = static_cast<long>(traced(command, {{"TP_FAULT_MEMORY_AT", "0"}}).size());
+        fs::remove(root() / out);
+        for (long at = std::max(1L, count - 3); at <= count; ++at) {
+            SCOPED_TRACE(fmt::format("{}: allocation {} of {} fails", out, at, count));
+            const Finished ended = run(command, {{"TP_FAULT_MEMORY_AT", std::to_string(at)}});
+            EXPECT_TRUE(is_done(ended) || ended.code == 1) << ended.err;
+            if (!is_done(ended)) {
+                EXPECT_THAT(ended.err, testing::HasSubstr("not enough memory"));
+                EXPECT_FALSE(fs::exists(root() / out));
+            }
+            fs::remove(root() / out);
+        }
+    }
+}
+
 TEST_F(CliFaults, Fit) {
     const Words fit = {"fit", "photos", "--out", "a.exr", "--report", "a.html"};
     Words other = fit;

@@ -45,6 +45,16 @@ protected:
 TEST_F(CliFurtherFaults, StepsOfATreatment) {
     try_scene({"fill", {kBegun}, kFilled, kChecked, {{"varnish", "T"}, kChecked}});
     try_scene({"retouch", {kBegun, kFilled}, kRetouched, kChecked, {{"varnish", "T"}, kChecked}});
+    try_scene({"retouch and picture",
+               {kBegun, kFilled},
+               further(kRetouched, {"--preview", "s.png"}),
+               kChecked,
+               {{"varnish", "T"}, kChecked}});
+    try_scene({"match and picture",
+               {kBegun, kFilled},
+               further(with_loss({"match", "--treatment", "T"}), {"--max-paints", "2", "--swatch", "s.png"}),
+               kChecked,
+               {{"varnish", "T"}, kChecked}});
     try_scene({"quality of it",
                {kBegun, kFilled, kRetouched},
                {"quality", "--treatment", "T"},
@@ -76,12 +86,13 @@ TEST_F(CliFurtherFaults, Match) {
 }
 
 TEST_F(CliFurtherFaults, Palette) {
-    const Words palette = {"palette", "--card-px", "24", "--save", "k.json", "--out", "k.png"};
+    const Words palette = {"palette", "--card-px", "120", "--save", "k.json", "--out", "k.png"};
     try_new_and_old("palette", {}, palette, further(palette, {"--illuminant", "A"}));
 }
 
 TEST_F(CliFurtherFaults, Import) {
-    const Words import = {"import", "--diffuse", "photos/img_000.png", "--out", "i.exr"};
+    const Words import = {"import", "--diffuse", "photos/img_000.png", "--height", "photos/img_001.png",
+                          "--out",  "i.exr"};
     try_new_and_old("import", {}, import, further(import, {"--diffuse-srgb"}));
 }
 
@@ -90,7 +101,8 @@ TEST_F(CliFurtherFaults, PicturesInAnotherLight) {
                 film = {"relight", "p.exr", "--sweep", "0,30",           "--seconds",
                         "0.2",     "--out", "f",       "--frames-width", "24"};
     try_new_and_old("relight", {}, picture, further(picture, {"--gain", "0.5"}));
-    try_new_and_old("sweep", {}, film, further(film, {"--gain", "0.5"}));
+    // Into a folder that has frames none are written.
+    try_scene({"sweep to nothing", {}, film, kSeen, {picture}});
 }
 
 TEST_F(CliFurtherFaults, Export) {

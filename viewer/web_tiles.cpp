@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <new>
 #include <vector>
 
 #include "surface/error.h"
@@ -19,7 +20,8 @@ std::string deflated(const std::string& bytes) {
     const int done = compress2(reinterpret_cast<Bytef*>(result.data()), &size,
                                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
                                kCompression);
-    TP_REQUIRE(done == Z_OK, "zlib has memory");
+    if (done == Z_MEM_ERROR) throw std::bad_alloc();
+    TP_REQUIRE(done == Z_OK, "zlib has room for what it packs");
     result.resize(size);
     return result;
 }
