@@ -62,9 +62,11 @@ std::optional<JpegSegment> jpeg_segment_at(const FileBytes& file, std::uint64_t 
     JpegSegment segment{static_cast<int>(*marker), begin, begin + 2, begin + 2};
     if (stands_alone(segment.marker) || segment.marker == kJpegEnd) return segment;
     const auto length = file.number(begin + 2, 2, true);
-    if (!length || *length < 2 || begin + 2 + *length > file.size()) return {};
+    // Lengths count their own two bytes. Of one that is less, libjpeg takes these two, and goes on behind
+    // them to the next marker; whoever stopped here would not see what it sees.
+    if (!length || begin + 2 + std::max<std::uint64_t>(*length, 2) > file.size()) return {};
     segment.content_at = begin + 4;
-    segment.end = begin + 2 + *length;
+    segment.end = begin + 2 + std::max<std::uint64_t>(*length, 2);
     return segment;
 }
 

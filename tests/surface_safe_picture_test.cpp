@@ -84,6 +84,12 @@ TEST(SafePicture, WithADamagedProfileIsReadAsIfItHadNone) {
         expect_read("a.tif", tiff_with_profile(profile), "tag 'cprt'");
         expect_read("a.png", png_with_profile(dir, profile), "tag 'cprt'");
     }
+    // Behind a segment that says that it is shorter than its own length.
+    for (const char* before : {"\xFF\xE0\0", "\xFF\xE1\0", "\xFF\xFE\0"})
+        for (const char length : {'\0', '\1'})
+            expect_read("a.jpg",
+                        jpeg_with(dir, std::string(before, 3) + length + profile_segment(profiles.back())),
+                        "tag 'cprt'");
     expect_read("a.jpg", jpeg_with(dir, profile_segment(srgb_icc_profile(), 1, 2)),
                 "its part 2 of 2 is missing");
     expect_read("a.tif", tiff_with(24, 18, tiff_entry(34675, 7, 3000, 1u << 20), ""),
