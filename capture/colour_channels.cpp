@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "surface/json_text.h"
 #include "surface/letter_case.h"
 
 namespace tangi {
@@ -54,8 +55,8 @@ ColourChannels by_names(const std::vector<std::string>& names, int alpha) {
         colours.empty() && chroma == 0 && grey != names.end())
         return {static_cast<int>(grey - names.begin()), 1};
     constexpr std::size_t most = 8;
-    const std::vector<std::string> shown(names.begin(),
-                                         names.begin() + std::ptrdiff_t(std::min(most, names.size())));
+    std::vector<std::string> shown;  // which may be any bytes
+    for (std::size_t i = 0; i < std::min(most, names.size()); ++i) shown.push_back(shortened(names[i]));
     return {0, 0,
             fmt::format("its channels ({}{}) do not say which are red, green and blue; {}",
                         fmt::join(shown, ", "), names.size() > most ? ", …" : "", kStoreColours)};
