@@ -10,6 +10,7 @@
 
 #include "capture/lights_text.h"
 #include "surface/atomic_file.h"
+#include "surface/blanks.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -38,19 +39,12 @@ std::size_t letter_length(std::string_view text) {
     return is_letter ? length : 0;
 }
 
-std::string_view trimmed(std::string_view text) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
 // Cuts the last blank-separated word off `rest` and returns it.
 std::string_view cut_last_word(std::string_view& rest) {
-    rest = trimmed(rest);
+    rest = without_blanks(rest);
     const auto blank = rest.find_last_of(" \t");
     const std::string_view word = blank == std::string_view::npos ? rest : rest.substr(blank + 1);
-    rest = blank == std::string_view::npos ? std::string_view() : trimmed(rest.substr(0, blank));
+    rest = blank == std::string_view::npos ? std::string_view() : without_blanks(rest.substr(0, blank));
     return word;
 }
 

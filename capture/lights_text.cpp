@@ -10,19 +10,14 @@
 
 #include "capture/photo_file.h"
 #include "capture/photo_names.h"
+#include "surface/blanks.h"
 #include "surface/error.h"
 
 namespace tangi {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-
-std::string_view without_blanks(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(kBlanks);
-    return first == std::string_view::npos ? std::string_view()
-                                           : text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
-}
+constexpr std::string_view kBetweenColumns = " \t\r";
 
 bool is_number_text(std::string_view word) {
     std::string text(word);
@@ -87,7 +82,7 @@ std::size_t numbers_after_name(std::string_view line, std::size_t& name_end) {
     std::size_t numbers = 0;
     std::string_view rest = without_blanks(line);
     while (true) {
-        const std::size_t blank = rest.find_last_of(kBlanks);
+        const std::size_t blank = rest.find_last_of(kBetweenColumns);
         if (blank == std::string_view::npos) return 0;
         if (!is_number_text(rest.substr(blank + 1))) return 0;
         rest = without_blanks(rest.substr(0, blank));
@@ -118,7 +113,7 @@ void cut_further_columns(std::vector<LightsLine>& lines, const std::string& file
         std::size_t name_end = 0;
         if (numbers_after_name(line.text, name_end) == 0) continue;
         for (std::size_t cut = columns - 3; cut > 0; --cut)
-            line.text = without_blanks(line.text.substr(0, line.text.find_last_of(kBlanks)));
+            line.text = without_blanks(line.text.substr(0, line.text.find_last_of(kBetweenColumns)));
     }
     warnings.push_back(
         fmt::format("{}: has {} numbers after each name; the first three are the light's x, y and z, and {} "

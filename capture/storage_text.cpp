@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "surface/blanks.h"
 #include "surface/error.h"
 #include "surface/json_text.h"
 
@@ -13,12 +14,6 @@ namespace {
 
 constexpr std::size_t kDeepest = 16;
 constexpr int kMostNumbers = 1000;  // lenses have 14 at most
-constexpr std::string_view kBlanks = " \t\r\n";
-
-std::string_view without_blanks(std::string_view text) {
-    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
-    return text.substr(0, text.find_last_not_of(kBlanks) + 1);
-}
 
 // Names in each other, from the file on.
 class Nest {

@@ -13,6 +13,7 @@
 #include "capture/raw_file.h"
 #include "cli/command.h"
 #include "paint/retouch/treatment_folder.h"
+#include "surface/blanks.h"
 #include "surface/error.h"
 
 namespace tangi {
@@ -20,12 +21,6 @@ namespace tangi {
 namespace {
 
 constexpr const char* kNoMask = "none";  // --mask
-
-std::string_view trimmed(std::string_view text) {
-    const auto begin = text.find_first_not_of(" \t");
-    return begin == std::string_view::npos ? ""
-                                           : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
 
 std::vector<double> numbers_of(const std::string& text, const std::string& flag, std::size_t count,
                                const std::string& form) {
@@ -46,7 +41,7 @@ std::vector<double> numbers_in(const std::string& text, const std::string& flag,
     std::vector<double> numbers;
     std::istringstream stream(text);
     for (std::string part; std::getline(stream, part, ',');) {
-        const std::string word(trimmed(part));
+        const std::string word(without_blanks(part));
         char* end = nullptr;
         const double value = std::strtod(word.c_str(), &end);
         const bool is_number = end != word.c_str() && *end == '\0' && !std::isnan(value);

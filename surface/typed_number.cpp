@@ -7,16 +7,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "surface/blanks.h"
+
 namespace tangi {
 
 namespace {
-
-std::string_view without_blanks(std::string_view text) {
-    constexpr std::string_view kBlank = " \t\r\n";
-    const auto begin = text.find_first_not_of(kBlank);
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
-}
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
