@@ -52,11 +52,24 @@ std::optional<int> jpeg_quality(const std::filesystem::path& path) {
     return {};
 }
 
-void warn_of_compression(Stack& stack) {
+static std::optional<int> least_quality(const Stack& stack) {
     std::optional<int> least;
     for (const StackPhoto& photo : stack.photos)
         if (const auto quality = jpeg_quality(photo.path); quality && (!least || *quality < *least))
             least = quality;
+    return least;
+}
+
+double rounding_of_jpeg(const Stack& stack) {
+    const std::optional<int> least = least_quality(stack);
+    if (!least) return 0;
+    const double percent = *least >= 50 ? 200 - 2 * *least : 5000.0 / *least;
+    const double step = std::max(kSumOfQuality50 * percent / 100 / static_cast<double>(kCells), 1.0);
+    return step / std::sqrt(12) / 255;
+}
+
+void warn_of_compression(Stack& stack) {
+    const std::optional<int> least = least_quality(stack);
     if (!least || *least >= kFineQuality) return;
     stack.warnings.push_back(fmt::format(
         "{}: the photographs are JPEG of quality {}: what compression does to relief of some pixels is "

@@ -51,6 +51,13 @@ PictureCollector::PictureCollector(const RegistrationGrid& grid, int photos) : g
     }
 }
 
+std::vector<const AlignmentWindow*> PictureCollector::in_full() const {
+    std::vector<const AlignmentWindow*> windows;
+    if (grid_.reduction == 1) windows.push_back(&overview_);
+    for (const AlignmentWindow& patch : patches_) windows.push_back(&patch);
+    return windows;
+}
+
 void PictureCollector::keep(const std::vector<bool>& kept) {
     TP_REQUIRE(static_cast<int>(kept.size()) == photos_, "one flag a photograph");
     const auto thin_out = [&](AlignmentWindow& window) {

@@ -35,6 +35,8 @@ public:
     void add(const Band& band);
 
     int photos() const { return photos_; }
+    // The parts that are kept in full resolution: the patches, or the whole picture where that is small.
+    std::vector<const AlignmentWindow*> in_full() const;
     const RegistrationGrid& grid() const { return grid_; }
 
     // Forgets the photographs that are not kept, in their order.
