@@ -55,6 +55,11 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
 // [sigma] Median residual from which on lights that were taken in the order of file names are doubted.
 constexpr double kDoubtfulOrder = 1;
 
+// [sigma] Median residual beyond which no painting is explained: what generated stacks of honest photographs,
+// gilded, brushed, varnished, noisy and compressed ones too, stay below (1.5), and lists of lights that
+// belong to other photographs exceed (2.2 to 3.1).
+constexpr double kUnexplained = 2;
+
 constexpr double kDoubtfulScatter_deg = 6;  // of lights in that order; fit/odd_lights.h says no more beyond
 
 constexpr double kSizesDiffer = 0.01;  // [1] relative, of a pixel's size as given and as measured
@@ -112,6 +117,15 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
             beyond_expected(report.median_rms_residual)));
     for (std::string& odd : doubts_of(report.odd_lights, report.photo_names))
         if (!out_of_order) reasons.push_back(std::move(odd));
+    if (report.sharpening.found()) reasons.push_back(says_sharpened(report.sharpening));
+    for (std::string& cause : doubts_of(report.photo_misfits, report.photo_names))
+        reasons.push_back(std::move(cause));
+    if (reasons.empty() && report.median_rms_residual > kUnexplained)
+        reasons.push_back(fmt::format(
+            "photographs differ from the model by {}, all over the painting, and none of the causes that are "
+            "looked for explains it: are the lights those of these photographs, in their order, and the "
+            "photographs all of one painting, not turned or mirrored?",
+            beyond_expected(report.median_rms_residual)));
     const double fitted =
         static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
     if (report.fitted == 0)
@@ -187,6 +201,8 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"lights", to_json(r.lights)},
         {"light_signs", to_json(r.signs, r.shadow_signs)},
         {"light_outliers", to_json(r.odd_lights, r.photo_names)},
+        {"sharpening", to_json(r.sharpening)},
+        {"photo_misfits", to_json(r.photo_misfits, r.photo_names)},
         {"white_balances", to_json(r.white_balances, r.photo_names)},
         {"list_orders", to_json(r.list_order)},
         {"law", to_json(r.law)},

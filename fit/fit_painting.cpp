@@ -228,6 +228,23 @@ void take_unit(Stack& stack, const Survey& surveyed, FitOptions& options) {
             stack.folder.string(), bright_stored(surveyed), *options.white_level));
 }
 
+// What the model does not explain: by how much, in which photographs, and what is known of the cause.
+void warn_of_misfit(Stack& stack, const FitReport& report) {
+    if (explains_photographs(report)) return;
+    const std::string worst = worst_of(report.photo_misfits, report.photo_names);
+    const bool cause_known =
+        report.sharpening.suspected() || !doubts_of(report.photo_misfits, report.photo_names).empty();
+    stack.warnings.push_back(fmt::format(
+        "{}: photographs differ from the model by {}{}{}; {}", stack.folder.string(),
+        beyond_expected(report.median_rms_residual),
+        report.refined ? "" : ": shadows and neighbours' lobes are not believed, so the fit is not refined",
+        worst.empty() ? "" : "; " + worst,
+        cause_known
+            ? "what makes the result poor says why"
+            : "metal and glass look like that, and wrong light directions (neither focus, light of the "
+              "room nor a veil does it)"));
+}
+
 }  // namespace
 
 FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& progress) {
@@ -247,6 +264,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
     const Survey& surveyed = seen.survey;
     report_.transfer = seen.transfer;
     report_.registration = std::move(seen.registration);
+    report_.sharpening = seen.sharpening;
     report_.left_out = std::move(seen.left_out);
     report_.turned_doubt = std::move(seen.turned_doubt);
     if (stack.transfer_of_chart && report_.transfer.source == "given")
@@ -327,6 +345,11 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
     };
     const LampsSeen lamps =
         fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
+    report_.photo_misfits =
+        photo_misfits(stack, transfer, noise, surface, lighting, options.ward.model_error, progress);
+    warn_of_misfit(stack, report_);
+    if (report_.sharpening.suspected() && !report_.sharpening.found())
+        stack.warnings.push_back(stack.folder.string() + ": " + says_sharpened(report_.sharpening));
     const bool by_profile = report_.colour.by_profile;
     report_.colour = correct_colours(stack, surface);
     report_.colour.by_profile = by_profile;

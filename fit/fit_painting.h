@@ -6,6 +6,7 @@
 
 #include "capture/left_out.h"
 #include "capture/registration.h"
+#include "capture/sharpening.h"
 #include "capture/stack.h"
 #include "capture/transfer_estimate.h"
 #include "capture/white_balances.h"
@@ -19,6 +20,7 @@
 #include "fit/light_misfit.h"
 #include "fit/list_order.h"
 #include "fit/odd_lights.h"
+#include "fit/photo_misfit.h"
 #include "fit/row_fitter.h"
 #include "fit/shadow_signs.h"
 #include "fit/ward_fit.h"
@@ -119,6 +121,8 @@ struct FitReport {
     ShadowCheck shadow_signs;              // and that cast shadows say
     ListOrder list_order;                  // whether photographs fit the lights of others
     std::vector<std::string> order_names;  // of the photographs that this is of
+    Sharpening sharpening;                 // of the photographs, before they were given to anyone
+    PhotoMisfits photo_misfits;            // what photographs have that the surface does not explain
     LightOutliers odd_lights;              // photographs that are shaded by another light than theirs
     std::vector<std::string> photo_names;  // that these are of
     // Of the photographs fitted: pixels that held no number (Survey::Photo), where any did.

@@ -322,7 +322,7 @@ static bool believes_height(const FitReport& report) {
 // Where lobes may be drawn out, some pixels with white and isotropic lobes, and what these show of that: from
 // lobes that are not drawn out though they should be, slopes and neighbours' lobes are no ground for
 // anything. Then all pixels; where lobes may have colours, what that shows of them; then the second pass.
-LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lighting,
+LampsSeen fit_passes(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
                      const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
                      const FirstLook& look, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
@@ -374,13 +374,6 @@ LampsSeen fit_passes(Stack& stack, const Transfer& transfer, const Lighting& lig
         trust_again(crevices, confidences, surface);
         if (!judged || !surface.lobe_colour.empty()) fit({.name = "fit, once more", .mask = stack.mask});
     }
-    if (explains_photographs(report_)) return seen;
-    stack.warnings.push_back(fmt::format(
-        "{}: photographs differ from the model by {}{}; metal and glass look like that, and wrong light "
-        "directions",
-        stack.folder.string(), beyond_expected(report_.median_rms_residual),
-        report_.refined ? ""
-                        : ": shadows and neighbours' lobes are not believed, so the fit is not refined"));
     return seen;
 }
 

@@ -51,15 +51,6 @@ void leave_out_strays(Stack& stack, Survey& surveyed, std::vector<LeftOut>& left
 LookOver look_once(Stack& stack, bool register_photos, const Progress& progress) {
     LookOver result;
     warn_of_compression(stack);
-    if (!register_photos) {
-        result.survey = survey(stack, {}, progress);
-        if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
-        tell_pixels_without_number(stack, result.survey);
-        leave_out_strays(stack, result.survey, result.left_out);
-        result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
-        result.transfer = decide_transfer(stack, result.survey);
-        return result;
-    }
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
     result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
@@ -68,7 +59,9 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     leave_out_strays(stack, result.survey, result.left_out);
     result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
     collected.keep(still_in(stack, all));
+    result.sharpening = find_sharpening(collected, rounding_of_jpeg(stack));
     result.transfer = decide_transfer(stack, result.survey);
+    if (!register_photos) return result;
     const std::vector<std::string> before = names_of(stack);
     const Stack unregistered = stack;
     const std::size_t photos = stack.photos.size();

@@ -4,6 +4,7 @@
 
 #include "capture/left_out.h"
 #include "capture/registration.h"
+#include "capture/sharpening.h"
 #include "capture/survey.h"
 #include "capture/transfer_estimate.h"
 #include "fit/list_order.h"
@@ -23,6 +24,7 @@ struct LookOver {
     };
     std::optional<OrderBefore> order_before{};
     std::string turned_doubt{};  // turned_photos.h; empty where there is none
+    Sharpening sharpening;
 };
 
 // Surveys the stack and takes photographs out of it that cannot be used, each with a warning that names it;

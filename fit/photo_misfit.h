@@ -1,0 +1,63 @@
+// photo_misfit.h: how each photograph differs from what the fitted surface predicts of it, and which cause
+// explains that: another focus, light of the room, a lamp that did not fire, a veil.
+//
+// In linear light, a photograph is taken for
+//   measured = (1 + gain) predicted + room W rho_d + c + blur / 2 laplacian(predicted),
+// W the white level: a lamp of another strength, light from all around that only this photograph has, a
+// constant, and to first order a Gaussian blur whose variance differs by `blur` from that of the sharpness
+// the surface was fitted with (the heat equation: Koenderink 1984, "The structure of images"). Beside these,
+// for blurs too wide for a first order, (mean of 9 x 9 pixels - predicted), whichever explains more; and
+// the shading of a light that is a little aside or uneven, which is not of interest here. All are found by
+// weighted least squares on blocks of the picture; what is more than 6 robust standard deviations off
+// (shadows that are a little elsewhere, glints, hands) has no say. Standard errors are from the scatter of
+// the blocks (White 1980, "A heteroskedasticity-consistent covariance matrix estimator"). Of pictures with
+// few blocks nothing is said.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "capture/stack.h"
+#include "fit/lighting.h"
+#include "surface/progress.h"
+#include "surface/surface.h"
+
+namespace tangi {
+
+struct MisfitTerm {
+    double value = 0, error = 0;
+    double effect = 0;  // [sigma] rms of what it explains, as PhotoMisfit::rms
+};
+
+struct PhotoMisfit {
+    double rms = 0;         // [sigma] of measured - predicted, in units of what the fit expects
+    MisfitTerm gain{};      // [1]
+    MisfitTerm room{};      // [1] of W, beside what the rig has
+    MisfitTerm constant{};  // [1] linear
+    MisfitTerm blur{};      // [pixels^2] > 0: less sharp than most; effect of both terms
+    double strength = 0;    // [1] of its lamp, as calibrated, gain included, over the middling photograph's
+};
+
+struct PhotoMisfits {
+    std::vector<PhotoMisfit> photos{};  // of stack.photos; empty where nothing could be compared
+    // [1] Linear light on everything, black as white, in all photographs: what places that no lamp reaches
+    // have beyond what is in proportion to their rho_d. `effect`: over the brightness of the middling place.
+    MisfitTerm veil{};
+};
+
+// The surface is as fitted, with a height, before colours are corrected; `lighting` of stack.photos.
+// `model_error` as WardFitOptions. Reads the photographs once more. Deterministic for any number of threads.
+PhotoMisfits photo_misfits(const Stack& stack, const Transfer& transfer, const NoiseModel& noise,
+                           const Surface& surface, const Lighting& lighting, double model_error,
+                           const Progress& progress = {});
+
+// What is to be done about it, for people; empty where nothing stands out. `names` of the photographs.
+std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vector<std::string>& names);
+
+// The photographs that differ most, where few stand out; empty else: "img_003.tif 5.1 times, ...".
+std::string worst_of(const PhotoMisfits& misfits, const std::vector<std::string>& names);
+
+nlohmann::json to_json(const PhotoMisfits& misfits, const std::vector<std::string>& names);
+
+}  // namespace tangi

@@ -1,0 +1,140 @@
+// fit_photo_misfit_test.cpp: photographs that break the model are named, with the cause; honest ones are not.
+#include "fit/photo_misfit.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+
+#include "fit/fit_painting.h"
+#include "fit_test_support.h"
+#include "surface/picture_file.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr int kPhotos = 16;
+
+Image<float> gaussian(double sigma) {
+    const int reach = static_cast<int>(std::ceil(3 * sigma));
+    Image<float> weights(2 * reach + 1, 1);
+    double sum = 0;
+    for (int i = -reach; i <= reach; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
+    for (int i = -reach; i <= reach; ++i)
+        weights(i + reach, 0) = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
+    return weights;
+}
+
+Image<Rgb> blurred(const Image<Rgb>& picture, double sigma) {
+    const Image<float> weights = gaussian(sigma);
+    const int reach = weights.width() / 2, w = picture.width(), h = picture.height();
+    Image<Rgb> across(w, h, Rgb(0)), result = across;
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+            for (int i = -reach; i <= reach; ++i)
+                across(x, y) += weights(i + reach, 0) * picture(std::clamp(x + i, 0, w - 1), y);
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+            for (int i = -reach; i <= reach; ++i)
+                result(x, y) += weights(i + reach, 0) * across(x, std::clamp(y + i, 0, h - 1));
+    return result;
+}
+
+using Change = std::function<Image<Rgb>(std::size_t photo, const Image<Rgb>&)>;
+
+// A generated stack, of which photographs are changed before they are fitted.
+struct ChangedStack {
+    TestDir folder;
+    PaintingTruth truth = painting(120, 96);
+    FitReport report;
+
+    explicit ChangedStack(const Change& change, const GeneratorOptions& options = {}) {
+        GeneratorOptions all = options;
+        all.lights = kPhotos;
+        all.held_out = 0;
+        all.format = PhotoFormat::exr;
+        write_stack(folder.path(), truth, all);
+        const Stack stack = open_stack(folder.path(), {.transfer = Transfer{}});
+        for (std::size_t i = 0; change && i < stack.photos.size(); ++i) {
+            const fs::path& path = stack.photos[i].path;
+            write_picture(path, change(i, read_picture(path)), {});
+        }
+        report = fit_painting(open_stack(folder.path(), {.transfer = Transfer{}})).report;
+    }
+    std::vector<std::string> doubts() const { return doubts_of(report.photo_misfits, report.photo_names); }
+};
+
+Image<Rgb> with_light(Image<Rgb> picture, const Image<Rgb>& diffuse, float lamp, float room, float constant) {
+    for (std::size_t i = 0; i < picture.size(); ++i)
+        picture.pixels()[i] = lamp * picture.pixels()[i] + room * diffuse.pixels()[i] + constant;
+    return picture;
+}
+
+TEST(PhotoMisfit, HonestPhotographsAreNotDoubted) {
+    EXPECT_THAT(ChangedStack({}).doubts(), IsEmpty());
+    EXPECT_THAT(ChangedStack({}, {.ambient = 0.05, .interreflection = 0.1}).doubts(), IsEmpty());
+    EXPECT_THAT(ChangedStack({}, {.distance = 2, .gain_min = 0.3, .gain_max = 2, .beam_deg = 30}).doubts(),
+                IsEmpty());
+}
+
+TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
+    const ChangedStack stack([](std::size_t i, const Image<Rgb>& picture) {
+        return blurred(picture, 0.2 + 0.8 * static_cast<double>(i) / (kPhotos - 1));
+    });
+    EXPECT_THAT(stack.doubts(), ElementsAre(AllOf(HasSubstr("sharp"), HasSubstr("focus held"))));
+    const auto& photos = stack.report.photo_misfits.photos;
+    // The surface has the sharpness of the middle; the first are sharper than that, the last softer.
+    EXPECT_LT(photos[1].blur.value, 0);
+    EXPECT_GT(photos[kPhotos - 1].blur.value, 0.1);
+}
+
+TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
+    const PaintingTruth truth = painting(120, 96);
+    const ChangedStack stack([&](std::size_t i, const Image<Rgb>& picture) {
+        return with_light(picture, truth.diffuse, 1, i % 4 == 1 ? 0.1f : 0, 0);
+    });
+    EXPECT_THAT(stack.doubts(), ElementsAre(AllOf(HasSubstr("4 of 16"), HasSubstr("lights of the room"))));
+    for (std::size_t i = 0; i < kPhotos; ++i)
+        EXPECT_EQ(stack.report.photo_misfits.photos[i].room.effect > 0.3, i % 4 == 1) << i;
+}
+
+TEST(PhotoMisfit, LampThatDidNotFireIsNamed) {
+    const PaintingTruth truth = painting(120, 96);
+    const ChangedStack stack([&](std::size_t i, const Image<Rgb>& picture) {
+        return i == 5 ? with_light(picture, truth.diffuse, 0, 0.12f, 0.002f) : picture;
+    });
+    EXPECT_THAT(stack.doubts(),
+                ElementsAre(AllOf(HasSubstr(stack.report.photo_names[5]), HasSubstr("light of the room"))));
+    EXPECT_THAT(worst_of(stack.report.photo_misfits, stack.report.photo_names),
+                HasSubstr(stack.report.photo_names[5]));
+}
+
+TEST(PhotoMisfit, DarkFrameIsNamed) {
+    PhotoMisfits misfits;
+    misfits.photos.assign(8, {.rms = 0.5, .strength = 1});
+    misfits.photos[3] = {.rms = 4, .gain = {-0.99, 0.01, 3}, .strength = 0.01};
+    const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g", "h"};
+    EXPECT_THAT(doubts_of(misfits, names), ElementsAre(AllOf(HasSubstr("d: "), HasSubstr("dark frame"))));
+    EXPECT_EQ(worst_of(misfits, names), "d 8.0 times as much as others");
+    misfits.photos[3] = {.rms = 0.5, .strength = 0.05};
+    EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "weak lamps may be weak";
+}
+
+TEST(PhotoMisfit, VeilIsMeasured) {
+    const PaintingTruth truth = painting(120, 96);
+    const ChangedStack stack([&](std::size_t, const Image<Rgb>& picture) {
+        return with_light(picture, truth.diffuse, 0.9f, 0, 0.05f);
+    });
+    EXPECT_THAT(stack.doubts(), Contains(AllOf(HasSubstr("veil"), HasSubstr("black level"))));
+    EXPECT_NEAR(stack.report.photo_misfits.veil.value, 0.05, 0.015);
+}
+
+}  // namespace
+}  // namespace tangi
