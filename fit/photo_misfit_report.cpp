@@ -76,7 +76,7 @@ std::string doubt_of_focus(const PhotoMisfits& misfits, const std::vector<std::s
             which, misfits, [](const PhotoMisfit& p) { return p.blur.effect; },
             [&](std::size_t i, const PhotoMisfit& p) {
                 const double width = std::sqrt(std::abs(p.blur.value));
-                return fmt::format("{} {:.1f} ± {:.1f} pixels {}", names[i], width,
+                return fmt::format("{} {:.2f} ± {:.2f} pixels {}", names[i], width,
                                    p.blur.error / (2 * std::max(width, 1e-9)),
                                    p.blur.value > 0 ? "softer" : "sharper");
             }));
