@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <random>
 
 #include "capture/survey.h"
 #include "surface/parallel.h"
@@ -14,26 +14,28 @@ namespace tangi {
 
 namespace {
 
-constexpr int kSide = 12, kStep = 6;  // [pixels] of blocks: a wave of 8 pixels fits, few reliefs are as small
+constexpr int kSide = 8, kStep = 4;  // [pixels] of blocks: a wave of 8 pixels fits, few shadows are as near
 constexpr int kArea = kSide * kSide;
 constexpr int kMostPhotos = 24, kFewestPhotos = 8, kFewestBlocks = 20, kMostBlocks = 4000;
-constexpr int kGrid = 8;         // [pixels] of JPEG
-constexpr double kQuiet = 0.15;  // [1] of the blocks
-constexpr float kDark = 0.003f;  // [1] stored: below, noise is cut off at black
-// [1] Beyond noise that is white, since the weaker components are those that lack some of its long waves: of
-// generated stacks without JPEG, where there are many blocks, the ratio is up to 1.1.
-constexpr double kAllowed = 0.1;
-constexpr double kSuspected = 2, kFound = 4;  // [standard errors] on top
+constexpr int kGrid = 8;                      // [pixels] of JPEG
+constexpr double kQuiet = 0.1;                // [1] of the blocks
+constexpr float kDark = 0.003f;               // [1] stored: below, noise is cut off at black
+constexpr double kSuspected = 3, kFound = 4;  // [standard errors]
 constexpr double kGridShows = 5;              // [standard deviations] of steps between pixels, by chance
 // [1] Times the variance of JPEG's rounding, at most: noise of more than that is the sensor's.
 constexpr double kAboveRounding = 4;
 
 using Block = Eigen::Matrix<double, Eigen::Dynamic, kArea, Eigen::RowMajor>;
 
+// Power of a block's noise: [variance as stored] and, over that, in low and middle frequencies.
+struct Power {
+    double variance = 0, low = 0, middle = 0;
+};
+
 // What the noise of a block is like.
 struct NoiseBlock {
-    double variance = 0, low = 0, middle = 0;
-    std::array<double, kGrid> steps{}, counts{};  // squares of steps into a column of this phase
+    Power measured, white;                        // `white`: of noise that is, in photographs like these
+    std::array<double, kGrid> steps{}, counts{};  // squares of steps into a column of this phase, as variance
 };
 
 // [1] Hann's window, times the waves of each frequency that is looked at.
@@ -94,23 +96,71 @@ Block usable_block(const AlignmentWindow& window, const std::vector<std::size_t>
     return block;
 }
 
-NoiseBlock noise_of(const Block& block, int x0, const Waves& waves) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block * block.transpose() / kArea);
-    const long weak = block.rows() / 2;
-    const Block noise = solver.eigenvectors().leftCols(weak).transpose() * block;
+// The principal components of a block, weakest first.
+using Components = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
+
+Components components_of(const Block& block) { return Components(block * block.transpose() / kArea); }
+
+Block weak_part(const Components& components, const Block& block) {
+    return components.eigenvectors().leftCols(block.rows() / 2).transpose() * block;
+}
+
+Power power_of(const Block& noise, const Waves& waves) {
+    Power power;
+    power.variance = noise.squaredNorm() / static_cast<double>(noise.size());
+    if (!(power.variance > 0)) return power;
+    const double all = static_cast<double>(noise.rows()) * power.variance;
+    for (long k = 0; k < noise.rows(); ++k) {
+        power.low += Waves::power(noise.row(k) * waves.low) / all;
+        power.middle += Waves::power(noise.row(k) * waves.middle) / all;
+    }
+    return power;
+}
+
+// Independent, of variance 1; close to normal, and the same everywhere.
+Block white_noise(long rows, std::mt19937_64& random) {
+    constexpr double kParts = 4;  // of 16 bits, each uniform
+    Block noise(rows, kArea);
+    for (long k = 0; k < noise.size(); ++k) {
+        double sum = 0;
+        for (std::uint64_t bits = random(), i = 0; i < 4; ++i, bits >>= 16)
+            sum += static_cast<double>(bits & 0xFFFF) / 0xFFFF - 0.5;
+        noise.data()[k] = sum / std::sqrt(kParts / 12);
+    }
+    for (long k = 0; k < rows; ++k) noise.row(k).array() -= noise.row(k).mean();
+    return noise;
+}
+
+// Of the strong components and white noise that leaves as much in the weak ones.
+Power power_of_white(const Components& components, const Block& block, double variance, const Waves& waves,
+                     std::mt19937_64& random) {
+    const auto strong = components.eigenvectors().rightCols(block.rows() - block.rows() / 2);
+    const Block picture = strong * (strong.transpose() * block);
+    double sigma = std::sqrt(variance);
+    Power power;
+    for (int round = 0; round < 2; ++round) {
+        if (round > 0 && power.variance > 0) sigma *= std::sqrt(variance / power.variance);
+        const Block made = picture + sigma * white_noise(block.rows(), random);
+        power = power_of(weak_part(components_of(made), made), waves);
+    }
+    return power;
+}
+
+NoiseBlock noise_of(const Block& block, int x0, const Waves& waves, std::mt19937_64& random) {
+    const Components components = components_of(block);
+    const Block noise = weak_part(components, block);
     NoiseBlock result;
-    result.variance = solver.eigenvalues().head(weak).mean();
-    for (long k = 0; k < weak; ++k) {
-        result.low += Waves::power(noise.row(k) * waves.low) / static_cast<double>(weak);
-        result.middle += Waves::power(noise.row(k) * waves.middle) / static_cast<double>(weak);
+    result.measured = power_of(noise, waves);
+    if (!(result.measured.variance > 0)) return result;
+    result.white = power_of_white(components, block, result.measured.variance, waves, random);
+    for (long k = 0; k < noise.rows(); ++k)
         for (int y = 0; y < kSide; ++y)
             for (int x = 1; x < kSide; ++x) {
                 const auto phase = static_cast<std::size_t>((x0 + x) % kGrid);
                 const double step = noise(k, y * kSide + x) - noise(k, y * kSide + x - 1);
-                result.steps[phase] += step * step;
+                result.steps[phase] += step * step / result.measured.variance;
                 result.counts[phase] += 1;
             }
-    }
     return result;
 }
 
@@ -138,10 +188,15 @@ std::vector<NoiseBlock> noise_blocks(const PictureCollector& collected) {
             const Place& place = places[k * step];
             const Block block = usable_block(*place.window, photos, place.x, place.y);
             const int column = static_cast<int>(place.window->origin.x - collected.grid().corner.x) + place.x;
-            if (block.rows() >= kFewestPhotos) blocks[k] = noise_of(block, column, waves);
+            if (block.rows() >= kFewestPhotos) {
+                std::mt19937_64 random(k);
+                blocks[k] = noise_of(block, column, waves, random);
+            }
         }
     });
-    std::erase_if(blocks, [](const NoiseBlock& block) { return !(block.variance > 0); });
+    std::erase_if(blocks, [](const NoiseBlock& block) {
+        return !(block.measured.variance > 0 && block.white.variance > 0);
+    });
     return blocks;
 }
 
@@ -151,7 +206,7 @@ bool grid_shows(const std::vector<NoiseBlock>& blocks) {
     std::array<double, kGrid> steps{}, counts{};
     for (const NoiseBlock& block : blocks)
         for (std::size_t i = 0; i < kGrid; ++i) {
-            steps[i] += block.steps[i] / block.variance;
+            steps[i] += block.steps[i];
             counts[i] += block.counts[i];
         }
     for (std::size_t i = 0; i < kGrid; ++i) {
@@ -169,10 +224,28 @@ bool grid_shows(const std::vector<NoiseBlock>& blocks) {
     return false;
 }
 
+// A ratio of means over blocks, with its standard error by their scatter; 0 where there is nothing.
+struct MiddleOverLow {
+    double ratio = 0, error = 0;
+
+    MiddleOverLow(const std::vector<NoiseBlock>& blocks, Power NoiseBlock::*of) {
+        double low = 0, middle = 0, squares = 0;
+        for (const NoiseBlock& block : blocks) {
+            low += (block.*of).low;
+            middle += (block.*of).middle;
+        }
+        if (!(low > 0)) return;
+        ratio = middle / low;
+        for (const NoiseBlock& block : blocks)
+            squares += std::pow((block.*of).middle - ratio * (block.*of).low, 2);
+        error = std::sqrt(squares) / low;
+    }
+};
+
 }  // namespace
 
 static bool exceeds(const Sharpening& s, double errors) {
-    return !s.compressed && s.blocks >= kFewestBlocks && s.ratio - errors * s.error > 1 + kAllowed;
+    return !s.compressed && s.blocks >= kFewestBlocks && s.ratio - errors * s.error > 1;
 }
 
 bool Sharpening::suspected() const { return exceeds(*this, kSuspected); }
@@ -186,23 +259,18 @@ Sharpening find_sharpening(const PictureCollector& collected, double rounding) {
         std::min(blocks.size(),
                  std::max<std::size_t>(
                      kFewestBlocks, static_cast<std::size_t>(kQuiet * static_cast<double>(blocks.size()))));
-    std::stable_sort(blocks.begin(), blocks.end(),
-                     [](const NoiseBlock& a, const NoiseBlock& b) { return a.variance < b.variance; });
+    std::stable_sort(blocks.begin(), blocks.end(), [](const NoiseBlock& a, const NoiseBlock& b) {
+        return a.measured.variance < b.measured.variance;
+    });
     blocks.resize(quiet);
     Sharpening result;
     result.blocks = static_cast<int>(quiet);
-    double low = 0, middle = 0, squares = 0;
-    for (const NoiseBlock& block : blocks) {
-        low += block.low / block.variance;
-        middle += block.middle / block.variance;
-    }
-    if (!(low > 0)) return result;
-    result.ratio = middle / low;
-    for (const NoiseBlock& block : blocks)
-        squares += std::pow((block.middle - result.ratio * block.low) / block.variance, 2);
-    result.error = std::sqrt(squares) / low;
+    const MiddleOverLow measured(blocks, &NoiseBlock::measured), white(blocks, &NoiseBlock::white);
+    if (!(measured.ratio > 0) || !(white.ratio > 0)) return result;
+    result.ratio = measured.ratio / white.ratio;
+    result.error = result.ratio * std::hypot(measured.error / measured.ratio, white.error / white.ratio);
     result.compressed =
-        grid_shows(blocks) || blocks[quiet / 2].variance < kAboveRounding * rounding * rounding;
+        grid_shows(blocks) || blocks[quiet / 2].measured.variance < kAboveRounding * rounding * rounding;
     return result;
 }
 

@@ -55,9 +55,9 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
 // [sigma] Median residual from which on lights that were taken in the order of file names are doubted.
 constexpr double kDoubtfulOrder = 1;
 
-// [sigma] Median residual beyond which no painting is explained: what generated stacks of honest photographs,
-// gilded, brushed, varnished, noisy and compressed ones too, stay below (1.5), and lists of lights that
-// belong to other photographs exceed (2.2 to 3.1).
+// [sigma] Median residual beyond which no painting is explained, unless it is of metal alone: what generated
+// stacks of honest photographs, gilded, brushed, varnished, noisy and compressed ones too, stay below (1.5),
+// and lists of lights that belong to other photographs exceed (2.2 to 3.1).
 constexpr double kUnexplained = 2;
 
 constexpr double kDoubtfulScatter_deg = 6;  // of lights in that order; fit/odd_lights.h says no more beyond
@@ -120,12 +120,15 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
     if (report.sharpening.found()) reasons.push_back(says_sharpened(report.sharpening));
     for (std::string& cause : doubts_of(report.photo_misfits, report.photo_names))
         reasons.push_back(std::move(cause));
-    if (reasons.empty() && report.median_rms_residual > kUnexplained)
+    if (reasons.empty() && report.median_rms_residual > kUnexplained &&
+        is_in_matt_paint(report.photo_misfits)) {
+        const std::string not_by = ruled_out(report.photo_misfits);
         reasons.push_back(fmt::format(
-            "photographs differ from the model by {}, all over the painting, and none of the causes that are "
-            "looked for explains it: are the lights those of these photographs, in their order, and the "
-            "photographs all of one painting, not turned or mirrored?",
-            beyond_expected(report.median_rms_residual)));
+            "photographs differ from the model by {}, in matt paint, too{}: are the lights those of these "
+            "photographs, in their order, and the photographs all of one painting, not turned or mirrored?",
+            beyond_expected(report.median_rms_residual),
+            not_by.empty() ? "" : fmt::format(" ({} were looked for, and it is none of them)", not_by)));
+    }
     const double fitted =
         static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L));
     if (report.fitted == 0)

@@ -228,21 +228,30 @@ void take_unit(Stack& stack, const Survey& surveyed, FitOptions& options) {
             stack.folder.string(), bright_stored(surveyed), *options.white_level));
 }
 
-// What the model does not explain: by how much, in which photographs, and what is known of the cause.
+// What the model does not explain: by how much, in which photographs and pixels, and what is known of the
+// cause.
 void warn_of_misfit(Stack& stack, const FitReport& report) {
     if (explains_photographs(report)) return;
-    const std::string worst = worst_of(report.photo_misfits, report.photo_names);
-    const bool cause_known =
-        report.sharpening.suspected() || !doubts_of(report.photo_misfits, report.photo_names).empty();
+    const PhotoMisfits& misfits = report.photo_misfits;
+    const std::string worst = worst_of(misfits, report.photo_names), not_by = ruled_out(misfits);
+    std::string cause = "what makes the result poor says why";
+    if (!report.sharpening.suspected() && doubts_of(misfits, report.photo_names).empty())
+        cause = fmt::format(
+            "{}{}",
+            is_in_matt_paint(misfits)
+                ? "in matt paint, too: wrong light directions and coarse JPEG look like that, and paintings "
+                  "that "
+                  "move"
+                : fmt::format(
+                      "matt paint differs by {:.1f} times what is expected, and the {:.0f} % of values "
+                      "that are mostly gloss by {:.1f} times: metal, glass and varnish look like that",
+                      misfits.matt.rms, 100 * misfits.glossy.part, misfits.glossy.rms),
+            not_by.empty() ? "" : fmt::format(" ({} were looked for, and it is none of them)", not_by));
     stack.warnings.push_back(fmt::format(
         "{}: photographs differ from the model by {}{}{}; {}", stack.folder.string(),
         beyond_expected(report.median_rms_residual),
         report.refined ? "" : ": shadows and neighbours' lobes are not believed, so the fit is not refined",
-        worst.empty() ? "" : "; " + worst,
-        cause_known
-            ? "what makes the result poor says why"
-            : "metal and glass look like that, and wrong light directions (neither focus, light of the "
-              "room nor a veil does it)"));
+        worst.empty() ? "" : "; " + worst, cause));
 }
 
 }  // namespace

@@ -40,7 +40,15 @@ struct PhotoMisfit {
 };
 
 struct PhotoMisfits {
+    struct Kind {
+        double rms = 0;   // [sigma] robust deviation of the middling photograph
+        double part = 0;  // [1] of all that was compared
+    };
     std::vector<PhotoMisfit> photos{};  // of stack.photos; empty where nothing could be compared
+    // Of pixels. Glossy: rho_s above rho_d, or mostly the lobe's light. Causes are looked for in matt ones
+    // alone, since lobes differ from the model by more than paint does.
+    Kind matt{}, glossy{};
+    int judged = 0;  // photographs whose causes can be told apart; those of small pictures cannot
     // [1] Linear light on everything, black as white, in all photographs: what places that no lamp reaches
     // have beyond what is in proportion to their rho_d. `effect`: over the brightness of the middling place.
     MisfitTerm veil{};
@@ -54,6 +62,13 @@ PhotoMisfits photo_misfits(const Stack& stack, const Transfer& transfer, const N
 
 // What is to be done about it, for people; empty where nothing stands out. `names` of the photographs.
 std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vector<std::string>& names);
+
+// Whether matt paint differs by more than is expected, or only what is glossy.
+bool is_in_matt_paint(const PhotoMisfits& misfits);
+
+// What could be judged and is not the cause: "focus, light of the room and a veil"; empty where nothing
+// could.
+std::string ruled_out(const PhotoMisfits& misfits);
 
 // The photographs that differ most, where few stand out; empty else: "img_003.tif 5.1 times, ...".
 std::string worst_of(const PhotoMisfits& misfits, const std::vector<std::string>& names);

@@ -18,8 +18,9 @@ constexpr double kTells = 0.3;
 constexpr double kSure = 5;  // [standard errors] on top of it: hundreds of terms are looked at
 // [1] Of the light of the middling photograph: a lamp that gives less was off.
 constexpr double kOff = 0.1;
-// [1] Of the middling place's brightness. As kTells; the fit takes half of a veil for light of the room.
-constexpr double kVeil = 0.03;
+// [1] Of the middling place's brightness. Slopes come out flatter by as much, and the fit takes half of it
+// for light of the room: this is 1 degree of 20, the error as which kTells counts.
+constexpr double kVeil = 0.1;
 // [1] Times the middling photograph's misfit, and so many photographs at most: these stand out.
 constexpr double kStandsOut = 3;
 constexpr std::size_t kFew = 4;  // that are named
@@ -67,10 +68,9 @@ std::string doubt_of_focus(const PhotoMisfits& misfits, const std::vector<std::s
     const auto which = those_that(misfits, [](const PhotoMisfit& p) { return !is_off(p) && is_blurred(p); });
     if (which.empty()) return {};
     return fmt::format(
-        "{} of {} photographs are not as sharp as the painting that they give together (standard deviation "
-        "of "
-        "the blur between them): {}. The focus or the camera moved, and slopes take that for relief: leave "
-        "them out, or take them again with the focus held",
+        "{} of {} photographs are softer or sharper than the others (standard deviation of the blur between "
+        "them): {}. The focus or the camera moved, and slopes take that for relief: leave them out, or take "
+        "them again with the focus held",
         which.size(), names.size(),
         list_of(
             which, misfits, [](const PhotoMisfit& p) { return p.blur.effect; },
@@ -134,6 +134,15 @@ std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vecto
     return doubts;
 }
 
+bool is_in_matt_paint(const PhotoMisfits& misfits) { return misfits.matt.rms > 1; }
+
+std::string ruled_out(const PhotoMisfits& misfits) {
+    const bool veil = misfits.veil.error > 0;
+    if (misfits.judged > 0)
+        return veil ? "focus, light of the room and a veil" : "focus and light of the room";
+    return veil ? "a veil" : "";
+}
+
 std::string worst_of(const PhotoMisfits& misfits, const std::vector<std::string>& names) {
     std::vector<double> all;
     for (const PhotoMisfit& photo : misfits.photos) all.push_back(photo.rms);
@@ -164,7 +173,13 @@ nlohmann::json to_json(const PhotoMisfits& misfits, const std::vector<std::strin
                           {"constant", term(photo.constant)},
                           {"blur_px2", term(photo.blur)}});
     }
+    const auto kind = [](const PhotoMisfits::Kind& k) {
+        return nlohmann::json{{"rms_sigma", k.rms}, {"part", k.part}};
+    };
     return {{"photographs", std::move(photos)},
+            {"judged", misfits.judged},
+            {"matt", kind(misfits.matt)},
+            {"glossy", kind(misfits.glossy)},
             {"veil",
              {{"value", misfits.veil.value},
               {"error", misfits.veil.error},
