@@ -238,14 +238,14 @@ void warn_of_misfit(Stack& stack, const FitReport& report) {
     if (!report.sharpening.suspected() && doubts_of(misfits, report.photo_names).empty())
         cause = fmt::format(
             "{}{}",
-            is_in_matt_paint(misfits)
-                ? "in matt paint, too: wrong light directions and coarse JPEG look like that, and paintings "
-                  "that "
-                  "move"
-                : fmt::format(
-                      "matt paint differs by {:.1f} times what is expected, and the {:.0f} % of values "
-                      "that are mostly gloss by {:.1f} times: metal, glass and varnish look like that",
-                      misfits.matt.rms, 100 * misfits.glossy.part, misfits.glossy.rms),
+            is_in_gloss(misfits)
+                ? fmt::format("most where there is gloss ({:.1f} times what is expected, in {:.0f} % of the "
+                              "values; matt "
+                              "paint {:.1f} times): metal, glass and varnish look like that",
+                              misfits.glossy.rms, 100 * misfits.glossy.part, misfits.matt.rms)
+                : "not only where there is gloss: wrong light directions look like that, and noise and "
+                  "compression "
+                  "that are coarser than is expected",
             not_by.empty() ? "" : fmt::format(" ({} were looked for, and it is none of them)", not_by));
     stack.warnings.push_back(fmt::format(
         "{}: photographs differ from the model by {}{}{}; {}", stack.folder.string(),

@@ -22,7 +22,8 @@ constexpr float kUnlit = 0.01f;          // [1] of a matt white's light: less is
 constexpr float kGlossy = 2;             // [1] of the matt part: more is mostly lobe
 constexpr std::size_t kSamples = 1u << 17;  // of places that no lamp reaches
 
-// [pixels] Side of what must be unlit around a place: next to what is lit, a lens and resampling blur light in.
+// [pixels] Side of what must be unlit around a place: next to what is lit, a lens and resampling blur light
+// in.
 constexpr int kUnlitBox = 3;
 
 // Rows of a stripe under one light, channels averaged.

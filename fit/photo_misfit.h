@@ -3,15 +3,18 @@
 //
 // In linear light, a photograph is taken for
 //   measured = (1 + gain) predicted + room W rho_d + c + blur / 2 laplacian(predicted),
-// W the white level: a lamp of another strength, light from all around that only this photograph has, a
-// constant, and to first order a Gaussian blur whose variance differs by `blur` from that of the sharpness
-// the surface was fitted with (the heat equation: Koenderink 1984, "The structure of images"). Beside these,
-// for blurs too wide for a first order, (mean of 9 x 9 pixels - predicted), whichever explains more; and
-// the shading of a light that is a little aside or uneven, which is not of interest here. All are found by
-// weighted least squares on blocks of the picture; what is more than 6 robust standard deviations off
-// (shadows that are a little elsewhere, glints, hands) has no say. Standard errors are from the scatter of
-// the blocks (White 1980, "A heteroskedasticity-consistent covariance matrix estimator"). Of pictures with
-// few blocks nothing is said.
+// W the white level: a lamp of another strength, light from all around, a constant, and to first order a
+// Gaussian blur (the heat equation: Koenderink 1984, "The structure of images"). Beside these, for blurs too
+// wide for a first order, (mean of 9 x 9 pixels - predicted), whichever explains more; and what is not of
+// interest here: the shading of a light that is a little aside or uneven, and the Laplacian of the Laplacian,
+// which interpolation (of a mosaic, or by registration) takes of the shortest waves. Room light and blur are
+// then taken against the middling photograph's: what all have alike is none of one photograph.
+//
+// All are found by weighted least squares on blocks of the picture's matt pixels. Pixels that are more than 6
+// robust standard deviations off (shadows that are a little elsewhere, hands), and blocks that differ by more
+// than 6 times as much as most, have no say. Standard errors are from the scatter of the blocks (White 1980,
+// "A heteroskedasticity-consistent covariance matrix estimator"). Of pictures with few blocks nothing is
+// said.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -33,9 +36,9 @@ struct MisfitTerm {
 struct PhotoMisfit {
     double rms = 0;         // [sigma] of measured - predicted, in units of what the fit expects
     MisfitTerm gain{};      // [1]
-    MisfitTerm room{};      // [1] of W, beside what the rig has
+    MisfitTerm room{};      // [1] of W, beside what the rig and the middling photograph have
     MisfitTerm constant{};  // [1] linear
-    MisfitTerm blur{};      // [pixels^2] > 0: less sharp than most; effect of both terms
+    MisfitTerm blur{};      // [pixels^2] > 0: softer than the middling one; effect of both terms
     double strength = 0;    // [1] of its lamp, as calibrated, gain included, over the middling photograph's
 };
 
@@ -63,8 +66,10 @@ PhotoMisfits photo_misfits(const Stack& stack, const Transfer& transfer, const N
 // What is to be done about it, for people; empty where nothing stands out. `names` of the photographs.
 std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vector<std::string>& names);
 
-// Whether matt paint differs by more than is expected, or only what is glossy.
+// Whether matt paint differs by more than is expected; whether what is glossy does so far more than matt
+// paint.
 bool is_in_matt_paint(const PhotoMisfits& misfits);
+bool is_in_gloss(const PhotoMisfits& misfits);
 
 // What could be judged and is not the cause: "focus, light of the room and a veil"; empty where nothing
 // could.

@@ -136,6 +136,8 @@ std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vecto
 
 bool is_in_matt_paint(const PhotoMisfits& misfits) { return misfits.matt.rms > 1; }
 
+bool is_in_gloss(const PhotoMisfits& misfits) { return misfits.glossy.rms > 2 * misfits.matt.rms; }
+
 std::string ruled_out(const PhotoMisfits& misfits) {
     const bool veil = misfits.veil.error > 0;
     if (misfits.judged > 0)

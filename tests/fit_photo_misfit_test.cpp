@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "fit/fit_painting.h"
+#include "fit/misfit_terms.h"
 #include "fit_test_support.h"
 #include "surface/picture_file.h"
 
@@ -52,10 +53,10 @@ using Change = std::function<Image<Rgb>(std::size_t photo, const Image<Rgb>&)>;
 // A generated stack, of which photographs are changed before they are fitted.
 struct ChangedStack {
     TestDir folder;
-    PaintingTruth truth = painting(120, 96);
     FitReport report;
 
-    explicit ChangedStack(const Change& change, const GeneratorOptions& options = {}) {
+    explicit ChangedStack(const Change& change, const GeneratorOptions& options = {},
+                          const PaintingTruth& truth = painting(120, 96)) {
         GeneratorOptions all = options;
         all.lights = kPhotos;
         all.held_out = 0;
@@ -84,13 +85,88 @@ TEST(PhotoMisfit, HonestPhotographsAreNotDoubted) {
                 IsEmpty());
 }
 
+TEST(PhotoMisfit, HonestMetalIsNotDoubted) {
+    const ChangedStack gold({}, {},
+                            procedural_painting({.seed = 3,
+                                                 .width = 120,
+                                                 .height = 96,
+                                                 .mm_per_pixel = kMmPerPixel,
+                                                 .gilding = true,
+                                                 .brushed = 1}));
+    EXPECT_THAT(gold.doubts(), IsEmpty());
+}
+
+TEST(PhotoMisfit, WhatAllPhotographsLoseIsNoDrift) {
+    // As interpolation of a mosaic: the shortest waves, of all photographs.
+    const ChangedStack stack([](std::size_t, const Image<Rgb>& picture) { return blurred(picture, 0.5); });
+    EXPECT_THAT(stack.doubts(), IsEmpty());
+}
+
+TEST(MisfitTerms, AreAgainstTheMiddlingPhotographs) {
+    std::vector<PhotoTerms> photos(5);
+    for (PhotoTerms& photo : photos) {
+        photo.solved = true;
+        photo.terms[1] = 0.1;                 // room
+        photo.terms[kMisfitTerms - 2] = 0.2;  // blur
+        photo.sensitivities.setConstant(10);
+        photo.blurs = 100 * Eigen::Matrix2d::Identity();
+    }
+    photos[3].terms[1] = 0.15;
+    photos[4].terms[kMisfitTerms - 2] = 0;
+    const std::vector<PhotoMisfit> misfits = relative_misfits(photos);
+    EXPECT_NEAR(misfits[0].room.effect, 0, 1e-12);
+    EXPECT_NEAR(misfits[0].blur.effect, 0, 1e-12);
+    EXPECT_NEAR(misfits[3].room.value, 0.05, 1e-12);
+    EXPECT_NEAR(misfits[3].room.effect, 0.5, 1e-12);
+    EXPECT_NEAR(misfits[4].blur.value, -0.2, 1e-12);
+    EXPECT_NEAR(misfits[4].blur.effect, 2, 1e-12);
+}
+
+TEST(MisfitTerms, OfFewOddBlocksAreNotThePhotographs) {
+    std::vector<MisfitNormal> blocks;
+    for (int k = 0; k < 40; ++k) {
+        // Four blocks, as of metal, have a constant of 8; the others differ by 0.1 this way and that.
+        const double off = k < 4 ? 8 : k % 2 ? 0.1 : -0.1;
+        MisfitNormal& block = blocks.emplace_back();
+        for (int i = 0; i < 50; ++i) {
+            MisfitTerms terms;
+            for (int t = 0; t < kMisfitTerms; ++t) terms[t] = std::cos(t * (0.37 * i + k + 1));
+            terms[2] = 1;
+            block.matrix += terms * terms.transpose();
+            block.right += off * terms;
+            block.squares += off * off;
+            ++block.count;
+        }
+    }
+    const PhotoTerms terms = solve_photos({blocks})[0];
+    ASSERT_TRUE(terms.solved);
+    EXPECT_LT(terms.terms.cwiseAbs().maxCoeff(), 0.1);
+    EXPECT_GT(terms.rms, 2) << "but the photograph's deviation is that of all";
+}
+
+TEST(PhotoMisfit, WhatIsMattAndWhatIsGlossyAreTold) {
+    PhotoMisfits misfits;
+    misfits.matt = {.rms = 0.3, .part = 0.7};
+    misfits.glossy = {.rms = 3, .part = 0.3};
+    EXPECT_FALSE(is_in_matt_paint(misfits));
+    EXPECT_TRUE(is_in_gloss(misfits));
+    misfits.matt.rms = 2;
+    EXPECT_TRUE(is_in_matt_paint(misfits));
+    EXPECT_FALSE(is_in_gloss(misfits));
+    EXPECT_EQ(ruled_out(misfits), "") << "nothing could be judged";
+    misfits.judged = 8;
+    EXPECT_EQ(ruled_out(misfits), "focus and light of the room");
+    misfits.veil.error = 0.001;
+    EXPECT_EQ(ruled_out(misfits), "focus, light of the room and a veil");
+}
+
 TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
     const ChangedStack stack([](std::size_t i, const Image<Rgb>& picture) {
         return blurred(picture, 0.2 + 0.8 * static_cast<double>(i) / (kPhotos - 1));
     });
     EXPECT_THAT(stack.doubts(), ElementsAre(AllOf(HasSubstr("sharp"), HasSubstr("focus held"))));
     const auto& photos = stack.report.photo_misfits.photos;
-    // The surface has the sharpness of the middle; the first are sharper than that, the last softer.
+    // Against the middling one, the first are sharper and the last softer.
     EXPECT_LT(photos[1].blur.value, 0);
     EXPECT_GT(photos[kPhotos - 1].blur.value, 0.1);
 }
