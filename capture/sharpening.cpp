@@ -16,10 +16,10 @@ namespace {
 
 constexpr int kSide = 8, kStep = 4;  // [pixels] of blocks: a wave of 8 pixels fits, few shadows are as near
 constexpr int kArea = kSide * kSide;
-constexpr int kMostPhotos = 24, kFewestPhotos = 8, kFewestBlocks = 20, kMostBlocks = 4000;
+constexpr int kMostPhotos = 24, kFewestMixed = 8, kFewestBlocks = 20, kMostBlocks = 4000;
 constexpr int kGrid = 8;                      // [pixels] of JPEG
-constexpr double kQuiet = 0.1;                // [1] of the blocks
-constexpr float kDark = 0.003f;               // [1] stored: below, noise is cut off at black
+constexpr double kQuietest = 0.1;             // [1] of the blocks
+constexpr float kCutOff = 0.003f;             // [1] stored: below, noise is cut off at black
 constexpr double kSuspected = 3, kFound = 4;  // [standard errors]
 constexpr double kGridShows = 5;              // [standard deviations] of steps between pixels, by chance
 // [1] Times the variance of JPEG's rounding, at most: noise of more than that is the sensor's.
@@ -85,7 +85,7 @@ Block usable_block(const AlignmentWindow& window, const std::vector<std::size_t>
         for (int y = 0; y < kSide; ++y)
             for (int x = 0; x < kSide; ++x) {
                 const float value = window.pictures[i](x0 + x, y0 + y);
-                usable = usable && value > kDark && value < kClipped;
+                usable = usable && value > kCutOff && value < kClipped;
                 block(rows, y * kSide + x) = static_cast<double>(value);
             }
         if (!usable) continue;
@@ -164,13 +164,13 @@ NoiseBlock noise_of(const Block& block, int x0, const Waves& waves, std::mt19937
     return result;
 }
 
-struct Place {
+struct BlockPlace {
     const AlignmentWindow* window;
     int x, y;
 };
 
 std::vector<NoiseBlock> noise_blocks(const PictureCollector& collected) {
-    std::vector<Place> places;
+    std::vector<BlockPlace> places;
     for (const AlignmentWindow* window : collected.in_full())
         for (int y = 0; y + kSide <= window->pictures[0].height(); y += kStep)
             for (int x = 0; x + kSide <= window->pictures[0].width(); x += kStep)
@@ -185,10 +185,10 @@ std::vector<NoiseBlock> noise_blocks(const PictureCollector& collected) {
     parallel_for(0, static_cast<int>(blocks.size()), 16, [&](int begin, int end) {
         for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
             if (k * step >= places.size()) continue;
-            const Place& place = places[k * step];
+            const BlockPlace& place = places[k * step];
             const Block block = usable_block(*place.window, photos, place.x, place.y);
             const int column = static_cast<int>(place.window->origin.x - collected.grid().corner.x) + place.x;
-            if (block.rows() >= kFewestPhotos) {
+            if (block.rows() >= kFewestMixed) {
                 std::mt19937_64 random(k);
                 blocks[k] = noise_of(block, column, waves, random);
             }
@@ -244,21 +244,21 @@ struct MiddleOverLow {
 
 }  // namespace
 
-static bool exceeds(const Sharpening& s, double errors) {
+static bool exceeds_white(const Sharpening& s, double errors) {
     return !s.compressed && s.blocks >= kFewestBlocks && s.ratio - errors * s.error > 1;
 }
 
-bool Sharpening::suspected() const { return exceeds(*this, kSuspected); }
+bool Sharpening::suspected() const { return exceeds_white(*this, kSuspected); }
 
-bool Sharpening::found() const { return exceeds(*this, kFound); }
+bool Sharpening::found() const { return exceeds_white(*this, kFound); }
 
 Sharpening find_sharpening(const PictureCollector& collected, double rounding) {
-    if (collected.photos() < kFewestPhotos) return {};
+    if (collected.photos() < kFewestMixed) return {};
     std::vector<NoiseBlock> blocks = noise_blocks(collected);
-    const auto quiet =
-        std::min(blocks.size(),
-                 std::max<std::size_t>(
-                     kFewestBlocks, static_cast<std::size_t>(kQuiet * static_cast<double>(blocks.size()))));
+    const auto quiet = std::min(
+        blocks.size(),
+        std::max<std::size_t>(kFewestBlocks,
+                              static_cast<std::size_t>(kQuietest * static_cast<double>(blocks.size()))));
     std::stable_sort(blocks.begin(), blocks.end(), [](const NoiseBlock& a, const NoiseBlock& b) {
         return a.measured.variance < b.measured.variance;
     });

@@ -35,7 +35,7 @@ std::vector<MisfitNormal> usual_blocks(const std::vector<MisfitNormal>& blocks) 
     return usual;
 }
 
-MisfitNormal sum_of(const std::vector<MisfitNormal>& blocks) {
+MisfitNormal sum_of_blocks(const std::vector<MisfitNormal>& blocks) {
     MisfitNormal all;
     for (const MisfitNormal& block : blocks) {
         all.matrix += block.matrix;
@@ -49,11 +49,11 @@ MisfitNormal sum_of(const std::vector<MisfitNormal>& blocks) {
 // Linear least squares with the errors that the scatter of blocks tells; not solved where it is singular.
 PhotoTerms solve_blocks(const std::vector<MisfitNormal>& of_photo) {
     PhotoTerms result;
-    if (const MisfitNormal all = sum_of(of_photo); all.count > 0)
+    if (const MisfitNormal all = sum_of_blocks(of_photo); all.count > 0)
         result.rms = std::sqrt(all.squares / static_cast<double>(all.count));
     const std::vector<MisfitNormal> blocks = usual_blocks(of_photo);
     if (2 * static_cast<int>(blocks.size()) < 3 * kMisfitTerms) return result;
-    MisfitNormal all = sum_of(blocks);
+    MisfitNormal all = sum_of_blocks(blocks);
     const auto count = static_cast<double>(all.count);
     // What nothing tells apart (on a flat painting, the room and the lamp) is shared between them.
     all.matrix.diagonal() *= 1 + kRidge;

@@ -76,7 +76,7 @@ Image<float> laplacian_of(const Image<float>& picture) {
 }
 
 // Means of side x side pixels; 0 nearer to the border than half of that.
-Image<float> box_mean(const Image<float>& picture, int side) {
+Image<float> mean_of_box(const Image<float>& picture, int side) {
     const int reach = side / 2, w = picture.width(), h = picture.height();
     const auto part = 1 / static_cast<float>(side);
     Image<float> across(w, h), mean(w, h);
@@ -239,8 +239,8 @@ void Comparison::add_photo(const Band& band, int photo) {
     StripePhoto stripe(band.width(), rows);
     for (int y = band.y0(); y < band.y1(); ++y) look_at_row(band, photo, y, stripe);
     stripe.laplacian = laplacian_of(stripe.predicted);
-    stripe.blurred = box_mean(stripe.predicted, kMisfitBox);
-    const Image<float> unlit_around = box_mean(stripe.unlit_part, kUnlitBox);
+    stripe.blurred = mean_of_box(stripe.predicted, kMisfitBox);
+    const Image<float> unlit_around = mean_of_box(stripe.unlit_part, kUnlitBox);
     std::erase_if(stripe.unlit,
                   [&](const UnlitPlace& place) { return unlit_around(place.x, place.row) < 0.999f; });
     std::vector<float> off, values;

@@ -15,7 +15,7 @@ namespace {
 // of 45 degrees to the light changes by 0.9 degrees where it takes that for shading, more than what fits of
 // good photographs state.
 constexpr double kTells = 0.3;
-constexpr double kSure = 5;  // [standard errors] on top of it: hundreds of terms are looked at
+constexpr double kBeyondError = 5;  // [standard errors] on top of it: hundreds of terms are looked at
 // [1] Of the light of the middling photograph: a lamp that gives less was off.
 constexpr double kOff = 0.1;
 // [1] Of the middling place's brightness. Slopes come out flatter by as much, and the fit takes half of it
@@ -26,7 +26,7 @@ constexpr double kStandsOut = 3;
 constexpr std::size_t kFew = 4;  // that are named
 
 bool tells(const MisfitTerm& term) {
-    return term.effect > kTells && std::abs(term.value) > kSure * term.error;
+    return term.effect > kTells && std::abs(term.value) > kBeyondError * term.error;
 }
 
 bool is_off(const PhotoMisfit& photo) {
@@ -118,7 +118,7 @@ std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vecto
     std::vector<std::string> doubts;
     add_lamps_off(misfits, names, doubts);
     const MisfitTerm& veil = misfits.veil;
-    const bool veiled = veil.effect > kVeil && veil.value > kSure * veil.error;
+    const bool veiled = veil.effect > kVeil && veil.value > kBeyondError * veil.error;
     // Of a veil, photographs have different parts: no light of the room that some have.
     for (std::string doubt :
          {veiled ? std::string() : doubt_of_room(misfits, names), doubt_of_focus(misfits, names)})

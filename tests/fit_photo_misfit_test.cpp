@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr int kPhotos = 16;
+constexpr int kMisfitPhotos = 16;
 
 Image<float> gaussian(double sigma) {
     const int reach = static_cast<int>(std::ceil(3 * sigma));
@@ -58,7 +58,7 @@ struct ChangedStack {
     explicit ChangedStack(const Change& change, const GeneratorOptions& options = {},
                           const PaintingTruth& truth = painting(120, 96)) {
         GeneratorOptions all = options;
-        all.lights = kPhotos;
+        all.lights = kMisfitPhotos;
         all.held_out = 0;
         all.format = PhotoFormat::exr;
         write_stack(folder.path(), truth, all);
@@ -162,13 +162,13 @@ TEST(PhotoMisfit, WhatIsMattAndWhatIsGlossyAreTold) {
 
 TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
     const ChangedStack stack([](std::size_t i, const Image<Rgb>& picture) {
-        return blurred(picture, 0.2 + 0.8 * static_cast<double>(i) / (kPhotos - 1));
+        return blurred(picture, 0.2 + 0.8 * static_cast<double>(i) / (kMisfitPhotos - 1));
     });
     EXPECT_THAT(stack.doubts(), ElementsAre(AllOf(HasSubstr("sharp"), HasSubstr("focus held"))));
     const auto& photos = stack.report.photo_misfits.photos;
     // Against the middling one, the first are sharper and the last softer.
     EXPECT_LT(photos[1].blur.value, 0);
-    EXPECT_GT(photos[kPhotos - 1].blur.value, 0.1);
+    EXPECT_GT(photos[kMisfitPhotos - 1].blur.value, 0.1);
 }
 
 TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
@@ -177,7 +177,7 @@ TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
         return with_light(picture, truth.diffuse, 1, i % 4 == 1 ? 0.1f : 0, 0);
     });
     EXPECT_THAT(stack.doubts(), ElementsAre(AllOf(HasSubstr("4 of 16"), HasSubstr("lights of the room"))));
-    for (std::size_t i = 0; i < kPhotos; ++i)
+    for (std::size_t i = 0; i < kMisfitPhotos; ++i)
         EXPECT_EQ(stack.report.photo_misfits.photos[i].room.effect > 0.3, i % 4 == 1) << i;
 }
 
