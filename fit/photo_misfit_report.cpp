@@ -30,7 +30,9 @@ bool tells(const MisfitTerm& term) {
 }
 
 bool is_off(const PhotoMisfit& photo) {
-    return photo.strength < kOff && std::max(photo.gain.effect, photo.room.effect) > kTells;
+    // Where little of the painting is lit (lamps at grazing angles), the strength is open.
+    return photo.strength < kOff && -photo.gain.value > kBeyondError * photo.gain.error &&
+           std::max(photo.gain.effect, photo.room.effect) > kTells;
 }
 
 // More than one cause may look like it: the larger effect has the say.

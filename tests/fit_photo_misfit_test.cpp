@@ -199,6 +199,8 @@ TEST(PhotoMisfit, DarkFrameIsNamed) {
     const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g", "h"};
     EXPECT_THAT(doubts_of(misfits, names), ElementsAre(AllOf(HasSubstr("d: "), HasSubstr("dark frame"))));
     EXPECT_EQ(worst_of(misfits, names), "d 8.0 times as much as others");
+    misfits.photos[3] = {.rms = 4, .gain = {-0.95, 0.6, 3}, .strength = 0.05};
+    EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "what is as uncertain is not told";
     misfits.photos[3] = {.rms = 0.5, .strength = 0.05};
     EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "weak lamps may be weak";
 }
