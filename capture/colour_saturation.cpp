@@ -20,10 +20,10 @@ constexpr std::size_t kFewestOfSaturation = 4, kFewestColours = 40;
 constexpr std::size_t kQuarters = 4;  // of the picture, left out in turn
 // [1] Scatter of ln ratios over the picture: below, it is nearly of one colour, and nothing is to be scaled.
 constexpr double kLeastChroma = 0.05;
-// [1] A tenth more or less saturation changes colours of middling strength (ln ratios of 0.3) by what matters
-// of a white balance, 3 %; and the standard errors of white balances that are surely off
-// (white_balances.cpp).
-constexpr double kSaturationMatters = 0.1, kSaturationSigmas = 4;
+// [1] Metal, and light that comes off one paint onto another, change the ratios of real pictures from lamp to
+// lamp: by 0.8 to 1.2 on paint, by up to 1.6 on bronze. What a program does and light does not is beyond this
+// factor, either way, by more than four standard errors.
+constexpr double kMostByLight = 2, kSaturationSigmas = 4;
 constexpr int kSaturationRounds = 8;
 constexpr double kTukey = 4.685, kMadToSigma = 1 / 0.6745;
 constexpr double kLeastScatter = 0.5 / 255;  // [1] ln of light near full scale: rounding to 8 bits
@@ -125,7 +125,8 @@ ColourSaturation saturation_of(const std::vector<ScaleSay>& says) {
     for (const double value : without) squares += (value - mean) * (value - mean);
     ColourSaturation result{1 + x[4], std::sqrt(squares * (kQuarters - 1) / kQuarters)};
     result.sigma = std::hypot(result.sigma, kLeastScatter);
-    result.differs = std::abs(x[4]) > std::max(kSaturationMatters, kSaturationSigmas * result.sigma);
+    const double unsure = kSaturationSigmas * result.sigma;
+    result.differs = result.scale + unsure < 1 / kMostByLight || result.scale - unsure > kMostByLight;
     return result;
 }
 

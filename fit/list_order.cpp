@@ -183,16 +183,16 @@ std::vector<ListOrder::Other> orders_like_turns(const std::vector<Light>& lights
     return found;
 }
 
-// [0..1] What random orders of the list explain, on average.
-double explained_by_chance(const ShadingChanges& changes, const std::vector<Light>& lights,
-                           ListOrdering order) {
+// What random orders of the list explain.
+void deal(const ShadingChanges& changes, const std::vector<Light>& lights, ListOrdering order,
+          ListOrder& result) {
     std::mt19937 random(1);
-    double sum = 0;
-    for (int deal = 0; deal < kDeals; ++deal) {
+    for (int trial = 0; trial < kDeals; ++trial) {
         for (std::size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[random() % (i + 1)]);
-        sum += changes.explained(lights, order);
+        const double explained = changes.explained(lights, order);
+        result.by_chance += explained / kDeals;
+        result.most_by_chance = std::max(result.most_by_chance, explained);
     }
-    return sum / kDeals;
 }
 
 // The best first; of those whose deviations are the same within the error of the best, the simplest.
@@ -224,7 +224,7 @@ ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const
     const ShadingChanges changes(survey, transfer);
     result.explained = changes.explained(lights, by_name);
     result.explainable = changes.by_any_three();
-    result.by_chance = explained_by_chance(changes, lights, by_name);
+    deal(changes, lights, by_name, result);
     result.as_turns = orders_like_turns(lights, by_name);
     std::vector<Screened> found = screen(changes, lights, by_name, by_line, result.explained);
     if (found.empty()) return result;

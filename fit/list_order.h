@@ -42,11 +42,10 @@ struct ListOrder {
     // shading cannot tell them from it.
     std::vector<Other> as_turns;
     // [0..1] Of what changes from photograph to photograph (list_slips.h): what the list explains, what any
-    // three lights could at most, and what random orders of the list do on average.
-    double explained = 0, explainable = 0, by_chance = 0;
+    // three lights could at most, and what random orders of the list do, on average and at most.
+    double explained = 0, explainable = 0, by_chance = 0, most_by_chance = 0;
 
-    // Whether shading is that of lights, and what the listed ones explain of it is nearer to chance than to
-    // that. Two photographs whose lights are exchanged may do that, too (odd_lights.h).
+    // Whether shading is that of lights, and the listed ones explain no more of it than 99 random orders do.
     bool fits_no_order() const;
 };
 
@@ -60,8 +59,10 @@ ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const
 
 // What is to be done about it, for people; empty where the list is right, or lights that are turned or
 // mirrored explain the photographs. `taken`: what was done to the lights already, as the user asked.
+// `fits_as_listed`: a surface explains the photographs under these lights as well as honest ones; then only
+// an order that explains nearly all is told.
 std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
-                     const std::vector<std::string>& names);
+                     const std::vector<std::string>& names, bool fits_as_listed = false);
 
 // That no order of the list that was tried fits; empty where fits_no_order() is false.
 std::string doubt_of_any_order(const ListOrder& order);

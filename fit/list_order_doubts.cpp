@@ -25,7 +25,8 @@ double between_deg(const LightTurn& a, const LightTurn& b) {
 
 // Whether another order is what is wrong, `turn` being what slopes, and the user, ask of the lights as
 // listed.
-bool explains(const ListOrder::Other& other, const ListOrder& order, const LightTurn& turn) {
+bool explains(const ListOrder::Other& other, const ListOrder& order, const LightTurn& turn,
+              bool fits_as_listed) {
     const double listed_scatter_deg = order.scatter_deg;
     const double left = order.explainable - other.explained,
                  left_listed = order.explainable - order.explained;
@@ -33,7 +34,7 @@ bool explains(const ListOrder::Other& other, const ListOrder& order, const Light
     // Lights that are all turned leave as much unexplained, and scatter as little, as right ones, so these
     // are in another order.
     if (is_sure && left < kScatterRatio * kScatterRatio * left_listed) return true;
-    if (is_sure && other.scatter_deg < kMostOrderScatter_deg &&
+    if (!fits_as_listed && is_sure && other.scatter_deg < kMostOrderScatter_deg &&
         other.scatter_deg < kScatterRatio * listed_scatter_deg)
         return true;
     return turn != LightTurn{} && other.alike > kAlikeOrders && other.scatter_deg < listed_scatter_deg &&
@@ -94,7 +95,8 @@ std::string examples_of(const ListOrder::Other& other, const std::vector<std::st
 bool ListOrder::fits_no_order() const {
     // Noise is explained by any three lights about as well as by chance.
     const bool is_shading = 2 * explainable > by_chance + 1;
-    return is_shading && 2 * explained < by_chance + explainable;
+    // Gloss takes from what a right list explains: of glossy paintings there may be a fifth left.
+    return is_shading && explained <= most_by_chance;
 }
 
 std::string doubt_of_any_order(const ListOrder& order) {
@@ -109,14 +111,14 @@ std::string doubt_of_any_order(const ListOrder& order) {
 }
 
 std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
-                     const std::vector<std::string>& names) {
+                     const std::vector<std::string>& names, bool fits_as_listed) {
     // Both axes are half a turn.
     const LightTurn asked =
         LightTurn{false, taken.turn_deg}.after({taken.x != taken.y, taken.x ? 180.0 : 0.0});
     const LightTurn turn = asked.after(signs.remedy());
-    const auto found =
-        std::find_if(order.better.begin(), order.better.end(),
-                     [&](const ListOrder::Other& other) { return explains(other, order, turn); });
+    const auto found = std::find_if(
+        order.better.begin(), order.better.end(),
+        [&](const ListOrder::Other& other) { return explains(other, order, turn, fits_as_listed); });
     if (found == order.better.end()) return {};
     const auto [what, remedy] = told(*found, names);
     std::string text = fmt::format(
@@ -162,11 +164,9 @@ nlohmann::json to_json(const ListOrder& order) {
                           {"certainty", other.certainty},
                           {"scatter_deg", other.scatter_deg},
                           {"explained", other.explained}});
-    return {{"scatter_deg", order.scatter_deg},
-            {"explained", order.explained},
-            {"explainable", order.explainable},
-            {"by_chance", order.by_chance},
-            {"better", std::move(better)}};
+    return {{"scatter_deg", order.scatter_deg},       {"explained", order.explained},
+            {"explainable", order.explainable},       {"by_chance", order.by_chance},
+            {"most_by_chance", order.most_by_chance}, {"better", std::move(better)}};
 }
 
 }  // namespace tangi

@@ -119,6 +119,9 @@ void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& 
 std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vector<std::string>& names) {
     std::vector<std::string> doubts;
     add_lamps_off(misfits, names, doubts);
+    // Where not even most photographs are explained in matt paint, what is left of one has no cause of its
+    // own.
+    if (is_in_matt_paint(misfits)) return doubts;
     const MisfitTerm& veil = misfits.veil;
     const bool veiled = veil.effect > kVeil && veil.value > kBeyondError * veil.error;
     // Of a veil, photographs have different parts: no light of the room that some have.
