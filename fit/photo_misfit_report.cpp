@@ -24,6 +24,7 @@ constexpr double kVeil = 0.1;
 // [1] Times the middling photograph's misfit, and so many photographs at most: these stand out.
 constexpr double kStandsOut = 3;
 constexpr std::size_t kFew = 4;  // that are named
+constexpr std::size_t kFewOff = 2;
 
 bool tells(const MisfitTerm& term) {
     return term.effect > kTells && std::abs(term.value) > kBeyondError * term.error;
@@ -102,7 +103,23 @@ std::string doubt_of_room(const PhotoMisfits& misfits, const std::vector<std::st
 
 void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& names,
                    std::vector<std::string>& doubts) {
-    for (const std::size_t i : those_that(misfits, is_off)) {
+    const std::vector<std::size_t> off = those_that(misfits, is_off);
+    if (off.size() > kFewOff) {  // more lamps than fail in one session
+        doubts.push_back(fmt::format(
+            "{} of {} photographs show next to none of the light that their lamps should give: {}. Look "
+            "whether "
+            "the lights are listed in the order of the photographs; or these lamps did not fire, and the "
+            "photographs are to be left out",
+            off.size(), names.size(),
+            list_of(
+                off, misfits, [](const PhotoMisfit& p) { return -p.strength; },
+                [&](std::size_t i, const PhotoMisfit& p) {
+                    return fmt::format("{} {:.2f} ± {:.2f}", names[i], std::max(p.strength, 0.0),
+                                       p.gain.error);
+                })));
+        return;
+    }
+    for (const std::size_t i : off) {
         const PhotoMisfit& photo = misfits.photos[i];
         doubts.push_back(fmt::format(
             "{}: shows {:.2f} ± {:.2f} of the light that its lamp should give{}: leave it out of the lights "

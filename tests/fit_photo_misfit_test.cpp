@@ -199,6 +199,10 @@ TEST(PhotoMisfit, DarkFrameIsNamed) {
     const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g", "h"};
     EXPECT_THAT(doubts_of(misfits, names), ElementsAre(AllOf(HasSubstr("d: "), HasSubstr("dark frame"))));
     EXPECT_EQ(worst_of(misfits, names), "d 8.0 times as much as others");
+    for (const std::size_t i : {1u, 3u, 5u}) misfits.photos[i] = {.rms = 4, .gain = {-0.99, 0.01, 3}};
+    EXPECT_THAT(doubts_of(misfits, names),
+                ElementsAre(AllOf(HasSubstr("3 of 8 photographs"), HasSubstr("in the order"))));
+    misfits.photos[1] = misfits.photos[5] = misfits.photos[0];
     misfits.photos[3] = {.rms = 4, .gain = {-0.95, 0.6, 3}, .strength = 0.05};
     EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "what is as uncertain is not told";
     misfits.photos[3] = {.rms = 0.5, .strength = 0.05};
