@@ -26,6 +26,11 @@ TEST_F(CliFaults, TreatmentSteps) {
     try_scene({"undo", {kBegin, kDamage, kVarnish}, {"treatment", "undo", "T"}, kCheck, kFurther});
     try_scene(
         {"remove", {kBegin, kVarnish, kVarnish}, {"treatment", "remove", "T", "--all"}, kCheck, kFurther});
+    try_scene({"undo of a removal",
+               {kBegin, kVarnish, kVarnish, {"treatment", "remove", "T", "--all"}},
+               {"treatment", "undo", "T"},
+               kCheck,
+               kFurther});
 }
 
 TEST_F(CliFaults, TreatmentReport) {

@@ -4,11 +4,13 @@
 #include <gmock/gmock.h>
 
 #include "paint/canvas_file.h"
+#include "paint/retouch/removed_layers.h"
 #include "paint/retouch/sha256.h"
 #include "paint/retouch/treatment_area.h"
 #include "paint/retouch/treatment_folder.h"
 #include "paint/retouch/treatment_report.h"
 #include "paint/retouch/treatment_steps.h"
+#include "surface/atomic_file.h"
 #include "surface/error.h"
 #include "surface/painting_file.h"
 #include "tests/treatment_folder.h"
@@ -234,6 +236,107 @@ TEST_F(TreatmentFolder, UndoTakesBackAnEarlierStateBeforeWhatWasLaidBeforeIt) {
     write_text_file(folder() / kept, "edited");
     EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr(kept + ": is not what line")));
     EXPECT_EQ(treatment.read_earlier().diffuse(0, 0), Rgb(0.4f));
+}
+
+TEST_F(TreatmentFolder, UndoBringsBackWhatWasTakenOff) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    add(treatment, LayerRole::isolating_varnish, 10, 20);
+    add(treatment, LayerRole::retouch, 10);
+    add(treatment, LayerRole::fill, 60);  // over a border of tiles
+    const std::vector<TreatmentLayer> whole = treatment.layers();
+    const auto is_whole = [&] {
+        const std::vector<TreatmentLayer> now = Treatment::open(folder()).layers();
+        ASSERT_EQ(now.size(), whole.size());
+        for (std::size_t i = 0; i < whole.size(); ++i) {
+            EXPECT_EQ(now[i].name, whole[i].name);
+            EXPECT_EQ(now[i].role, whole[i].role);
+            EXPECT_EQ(now[i].sha256, whole[i].sha256);
+        }
+        EXPECT_THAT(Treatment::open(folder()).check(), IsEmpty());
+    };
+    const auto remove = [&](const std::vector<std::string>& names) {
+        Canvas canvas = treatment.read_canvas();
+        remove_step(treatment, canvas, names, kAuthor);
+        EXPECT_THAT(treatment.check(), IsEmpty());
+    };
+    const auto undo = [&] {
+        Canvas canvas = treatment.read_canvas();
+        return undo_step(treatment, canvas, kAuthor);
+    };
+    // One from the middle, the lowest, two at once, all: each comes back to its place.
+    const std::vector<std::string> all = {"fill 1", "isolating varnish 1", "retouch 1", "fill 2"};
+    for (const std::vector<std::string>& names :
+         {std::vector<std::string>{"retouch 1"}, {"fill 1"}, {"retouch 1", "fill 1"}, all}) {
+        remove(names);
+        EXPECT_EQ(treatment.layers().size(), whole.size() - names.size());
+        EXPECT_THAT(next_undo(treatment).step, HasSubstr("take off "));
+        EXPECT_EQ(undo()["brought_back"].size(), names.size());
+        is_whole();
+    }
+    // One after the other, and back the other way round; steps between them are undone in their turn.
+    remove({"isolating varnish 1"});
+    remove({"fill 1"});
+    add(treatment, LayerRole::varnish, 10, 20);
+    EXPECT_EQ(next_undo(treatment).step, "lay varnish 1");
+    EXPECT_THAT(undo()["removed"], ElementsAre("varnish 1"));
+    EXPECT_THAT(undo()["brought_back"], ElementsAre("fill 1"));
+    EXPECT_THAT(undo()["brought_back"], ElementsAre("isolating varnish 1"));
+    is_whole();
+    // Beyond them, steps that laid something.
+    EXPECT_EQ(next_undo(treatment).step, "lay fill 2");
+    EXPECT_THAT(undo()["removed"], ElementsAre("fill 2"));
+    EXPECT_THAT(undo()["removed"], ElementsAre("retouch 1"));
+}
+
+TEST_F(TreatmentFolder, WhatATakenOffLayerIsKeptInIsCheckedAndSmall) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    Canvas canvas = treatment.read_canvas();
+    remove_step(treatment, canvas, {"fill 1"}, kAuthor);
+    const LogEntry line = treatment.log().entries().back();
+    const std::string kept = line.content["kept"]["layers"].get<std::string>();
+    EXPECT_EQ(kept, fmt::format("removed/{}.exr", line.line));
+    EXPECT_TRUE(line.content["outputs"].contains(kept));
+    EXPECT_LT(std::filesystem::file_size(folder() / kept),
+              std::filesystem::file_size(folder() / "painting.exr"));
+    EXPECT_EQ(treatment_that_keeps(folder() / kept), std::filesystem::weakly_canonical(folder()));
+    write_text_file(folder() / kept, "edited");
+    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr(kept)));
+    EXPECT_THAT([&] { undo_step(treatment, canvas, kAuthor); },
+                ThrowsMessage<Error>(AllOf(HasSubstr(kept), HasSubstr("backup"))));
+    EXPECT_TRUE(Treatment::open(folder()).layers().empty());
+}
+
+// Of an earlier version, that kept nothing.
+TEST_F(TreatmentFolder, ATakingOffThatKeptNothingIsNotUndoneNorWhatIsBeforeIt) {
+    Treatment treatment = begin();
+    add(treatment, LayerRole::fill, 10);
+    add(treatment, LayerRole::retouch, 10);
+    Canvas canvas = treatment.read_canvas();
+    lift_off(canvas, "retouch 1");
+    treatment.record({.action = "remove", .parameters = {{"layers", {"retouch 1"}}}, .canvas = &canvas},
+                     kAuthor);
+    EXPECT_THAT(next_undo(treatment).refused, HasSubstr("kept nothing"));
+    EXPECT_THAT([&] { undo_step(treatment, canvas, kAuthor); },
+                ThrowsMessage<Error>(
+                    AllOf(HasSubstr("line 4 of the log took off retouch 1"), HasSubstr("cannot be undone"))));
+    EXPECT_EQ(Treatment::open(folder()).layers().size(), 1u) << "the next layer stays";
+}
+
+// Paints of a layer that comes back have numbers of their own.
+TEST_F(TreatmentFolder, ALayerComesBackOnACanvasWithOtherPaints) {
+    Canvas from(flat_surface(100, 70)), onto(flat_surface(100, 70));
+    add_paint(from, "Bone Black");
+    lay(from, "fill 1", 60, 12);
+    for (const char* other : {"Pyrrole Red", "Hansa Yellow Opaque"}) add_paint(onto, other);
+    AtomicFile file(dir_ / "kept.exr");
+    write_removed(file, from, from.dried());
+    onto.writable_dried() = read_removed(dir_ / "kept.exr", onto);
+    ASSERT_EQ(onto.dried().size(), 1u);
+    EXPECT_EQ(sha256_of(onto, onto.dried()[0].paint), sha256_of(from, from.dried()[0].paint));
+    Canvas other(flat_surface(90, 70));
+    EXPECT_THAT([&] { read_removed(dir_ / "kept.exr", other); }, ThrowsMessage<Error>(HasSubstr("100 x 70")));
 }
 
 TEST_F(TreatmentFolder, WithoutAScaleNoAreaIsStated) {

@@ -6,6 +6,7 @@
 //   masks/CLASS.png       coverage by each class of damage; CLASS.confidence.png beside what was suggested
 //   earlier.exr           the painting before it was cleaned, where it was photographed then too;
 //                         earlier.LINE.exr: another one before it, by the line of the log that wrote it
+//   removed/LINE.exr      layers that this line of the log took off (removed_layers.h): undo brings them back
 //   strokes/, quality/    what steps kept: journals of strokes, quality maps
 //   log.jsonl             the log (treatment_log.h): the layers, masks and files that there are, with hashes
 //   pending/              only while a step is written, or where a crash came into one (treatment_folder.h)
@@ -99,6 +100,7 @@ struct TreatmentStep {
     // treatment that are no longer on the canvas are thereby removed.
     const Canvas* canvas = nullptr;
     std::vector<std::pair<std::string, LayerRole>> added{};
+    std::vector<DriedLayer> removed{};  // of the canvas's paints: layers that the step takes off, to be kept
     std::map<std::string, std::string> kept{};  // of these, what others were before: file -> where it stays
     std::optional<TreatmentStrokes> strokes{};
     // Puts in place what belongs to the step and lies elsewhere, when all else is on the disk. What it throws

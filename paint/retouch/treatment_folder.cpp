@@ -179,10 +179,10 @@ std::optional<fs::path> treatment_that_keeps(const fs::path& file) {
         if (is_treatment(folder)) {
             const std::string first = whole.lexically_relative(folder).begin()->string();
             const bool earlier = first.starts_with("earlier") && first.ends_with(".exr");
-            const bool own = std::set<std::string>{kTreatmentLog,   "log.head.json", kTreatmentPainting,
-                                                   kTreatmentMasks, "strokes",       "quality",
-                                                   kPending}
-                                 .contains(first);
+            const bool own =
+                std::set<std::string>{kTreatmentLog, "log.head.json", kTreatmentPainting, kTreatmentMasks,
+                                      "strokes",     "quality",       kTreatmentRemoved,  kPending}
+                    .contains(first);
             if (own || earlier) return folder;
         }
         if (!folder.has_relative_path()) return std::nullopt;

@@ -15,6 +15,8 @@ inline constexpr const char* kTreatmentLog = "log.jsonl";
 inline constexpr const char* kTreatmentPainting = "painting.exr";
 inline constexpr const char* kTreatmentMasks = "masks";
 inline constexpr const char* kTreatmentEarlier = "earlier.exr";
+inline constexpr const char* kTreatmentRemoved = "removed";
+inline constexpr const char* kRemovedLayers = "layers";  // in `kept` of a line: the file of what it took off
 
 // masks/NAME.png
 std::filesystem::path treatment_mask(const std::string& name);

@@ -4,6 +4,7 @@
 
 #include "paint/canvas_file.h"
 #include "paint/retouch/confining_mask.h"
+#include "paint/retouch/removed_layers.h"
 #include "paint/retouch/sha256.h"
 #include "paint/retouch/treatment.h"
 #include "paint/retouch/treatment_folder.h"
@@ -85,6 +86,33 @@ std::vector<std::string> keep_strokes(const PendingStep& pending, const Treatmen
     return names;
 }
 
+// Layers that a step takes off; says in `entry` where. Returns the name of the file.
+std::string keep_removed(const PendingStep& pending, const TreatmentStep& step, int line, json& entry,
+                         const Progress& progress) {
+    const std::string name = fmt::format("{}/{}.exr", kTreatmentRemoved, line);
+    AtomicFile file(pending.file(name));
+    write_removed(file, *step.canvas, step.removed, progress);
+    entry["kept"][kRemovedLayers] = name;
+    return name;
+}
+
+// The painting with its layers, and what is kept with them. Returns the names of the files beside it.
+std::vector<std::string> keep_canvas(const PendingStep& pending, const TreatmentStep& step,
+                                     const Treatment& treatment, json& entry, const Progress& progress) {
+    std::vector<std::string> names;
+    std::vector<PartToWrite> further = parts_beside_paint(treatment.painting(), progress);
+    if (step.strokes)
+        names = keep_strokes(pending, *step.strokes, treatment, step.canvas->dry(), further,
+                             entry["parameters"]["strokes"]);
+    if (!step.removed.empty()) {
+        const int line = treatment.log().entries().back().line + 1;
+        names.push_back(keep_removed(pending, step, line, entry, progress));
+    }
+    AtomicFile file(pending.file(kTreatmentPainting));
+    write_canvas(file, *step.canvas, progress, further);
+    return names;
+}
+
 json entry_of(const TreatmentStep& step, const Author& author, const std::string& dry_sha256) {
     json inputs = json::object();
     for (const fs::path& input : step.inputs) {
@@ -113,13 +141,7 @@ void Treatment::record(const TreatmentStep& step, const Author& author, const Pr
             if (sha256_of(step.canvas->dry()) != dry_sha256())
                 fail("{}: the dry layer would change; nothing was written", painting().string());
             entry["layers"] = layers_on(*step.canvas, *this, step);
-            std::vector<PartToWrite> further = parts_beside_paint(painting(), progress);
-            if (step.strokes)
-                for (const std::string& name : keep_strokes(pending, *step.strokes, *this, step.canvas->dry(),
-                                                            further, entry["parameters"]["strokes"]))
-                    hash(name);
-            AtomicFile file(pending.file(kTreatmentPainting));
-            write_canvas(file, *step.canvas, progress, further);
+            for (const std::string& name : keep_canvas(pending, step, *this, entry, progress)) hash(name);
         }
         const auto known = logged_files();
         for (const auto& [name, mask] : step.masks) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "paint/retouch/sha256.h"
+#include "paint/retouch/removed_layers.h"
 #include "paint/retouch/treatment_area.h"
 #include "surface/error.h"
 
@@ -158,110 +158,11 @@ json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, Tr
 json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::string>& layers,
                  const Author& author, const Progress& progress) {
     if (layers.empty()) fail("{}: there is no layer to take off", treatment.folder().string());
+    TreatmentStep step{.action = "remove", .parameters = {{"layers", layers}}, .canvas = &canvas};
+    step.removed = layers_named(canvas, layers);
     for (const std::string& layer : layers) lift_off(canvas, layer);
-    treatment.record({.action = "remove", .parameters = {{"layers", layers}}, .canvas = &canvas}, author,
-                     progress);
-    return {{"removed", layers}};
-}
-
-namespace {
-
-// A step that can be undone: what it laid and is still there, the masks that it changed, and whether it kept
-// the painting as it was earlier.
-struct Undoable {
-    const LogEntry* entry = nullptr;
-    std::vector<std::string> layers, masks;
-    bool earlier = false;
-};
-
-bool draws(const LogEntry& entry) {
-    const json action = entry.content.value("action", json());
-    return action == "draw damage" || action == "suggest damage";
-}
-
-bool keeps_earlier(const LogEntry& entry) {
-    return entry.content.value("action", json()) == "keep earlier state";
-}
-
-// Names of the masks that a line wrote: "stain", "stain.confidence".
-std::vector<std::string> masks_of(const LogEntry& entry) {
-    std::vector<std::string> names;
-    const json outputs = entry.content.value("outputs", json::object());
-    for (const auto& [path, hash] : outputs.items())
-        if (const std::filesystem::path p(path); p.parent_path() == "masks")
-            names.push_back(p.stem().string());
-    return names;
-}
-
-// The step that brought a layer is the first that has it: the last line where one of those that are still
-// there appears, that changed the map, or that kept the earlier painting.
-Undoable last_undoable(const Treatment& treatment) {
-    std::set<std::string> there, known;
-    for (const TreatmentLayer& layer : treatment.layers()) there.insert(layer.name);
-    std::set<int> undone;
-    for (const LogEntry& entry : treatment.log().entries())
-        if (entry.content.value("action", json()) == "undo")
-            undone.insert(entry.content.at("parameters").at("step").at("line").get<int>());
-    Undoable last;
-    for (const LogEntry& entry : treatment.log().entries()) {
-        Undoable step{&entry, {}, {}, false};
-        for (const json& layer : entry.content.value("layers", json::array()))
-            if (const auto name = layer.at("name").get<std::string>();
-                known.insert(name).second && there.contains(name))
-                step.layers.push_back(name);
-        if (draws(entry) && !undone.contains(entry.line)) step.masks = masks_of(entry);
-        step.earlier = keeps_earlier(entry) && !undone.contains(entry.line);
-        if (!step.layers.empty() || !step.masks.empty() || step.earlier) last = std::move(step);
-    }
-    return last;
-}
-
-// What a mask was before a line of the log wrote another in its place; empty coverage where there was none.
-Mask mask_before(const Treatment& treatment, const std::string& name, const LogEntry& entry) {
-    const json none = json::object(), kept = entry.content.value("kept", none),
-               outputs = entry.content.value("outputs", none);
-    if (kept.contains(name)) {
-        const auto path = kept[name].get<std::string>();
-        const std::filesystem::path file = treatment.folder() / path;
-        if (!std::filesystem::exists(file) || sha256_of_file(file) != outputs.value(path, ""))
-            fail("{}: is not the mask that line {} of the log kept; take it from a backup", file.string(),
-                 entry.line);
-        return read_mask(file, treatment.width(), treatment.height());
-    }
-    for (const LogEntry& earlier : treatment.log().entries())
-        if (earlier.line < entry.line &&
-            earlier.content.value("outputs", none).contains("masks/" + name + ".png"))
-            fail(
-                "{}: line {} of the log was written by an earlier version, which did not keep the '{}' "
-                "before; "
-                "correct the map with tangipaint damage --edit",
-                treatment.folder().string(), entry.line, name);
-    return Mask(treatment.width(), treatment.height());
-}
-
-}  // namespace
-
-json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const Progress& progress) {
-    const Undoable last = last_undoable(treatment);
-    if (!last.entry)
-        fail(
-            "{}: there is no step to undo: nothing lies on the painting, no damage was mapped, and no "
-            "earlier "
-            "state was kept",
-            treatment.folder().string());
-    const json undone = {{"line", last.entry->line},
-                         {"action", last.entry->content.at("action")},
-                         {"sha256", last.entry->sha256}};
-    TreatmentStep step{.action = "undo", .parameters = {{"step", undone}, {"layers", last.layers}}};
-    for (const std::string& layer : last.layers) lift_off(canvas, layer);
-    if (!last.layers.empty()) step.canvas = &canvas;
-    for (const std::string& name : last.masks) step.masks[name] = mask_before(treatment, name, *last.entry);
-    if (!last.masks.empty()) step.parameters["masks"] = last.masks;
-    if (last.earlier) treatment.take_back_earlier(*last.entry, step);
-    json result = {{"undone", undone}, {"removed", last.layers}, {"restored", last.masks}};
-    if (last.earlier) result["earlier_state"] = step.withdrawn.empty() ? "the one before" : "none";
     treatment.record(step, author, progress);
-    return result;
+    return {{"removed", layers}};
 }
 
 json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const json& parameters,

@@ -47,14 +47,23 @@ nlohmann::json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating
 nlohmann::json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, TreatmentStep step,
                             const std::string& source, const Author& author, const Progress& progress = {});
 
-// Takes layers off. Throws Error, saying which there are, where one is not there.
+// Takes layers off, and keeps them, so that undo brings them back. Throws Error, saying which there are,
+// where one is not there.
 nlohmann::json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::string>& layers,
                            const Author& author, const Progress& progress = {});
 
-// Undoes the last step of which a layer is still on the painting, or that changed the map of damage and was
-// not undone: what is left of its layers is taken off, masks are again what they were before, and a new line
-// of the log names the step. The log forgets nothing: step and undoing are both in it. What was undone or
-// removed does not come back by it. Throws Error where there is no such step.
+// The step that undo_step() would undo: "take off fill 1", "lay retouch 2", "draw stain"; empty where there
+// is none. `refused` says why it cannot be undone; empty where it can.
+struct NextUndo {
+    std::string step, refused;
+};
+NextUndo next_undo(const Treatment& treatment);
+
+// Undoes the last step that was not undone and of which a layer is still on the painting, that changed the
+// map of damage, or that took layers off: what is left of its layers is taken off, masks are again what they
+// were before, layers lie again where they lay, bit for bit, and a new line of the log names the step. The
+// log forgets nothing: step and undoing are both in it. What was undone does not come back by it. Throws
+// Error where there is no such step, or it took layers off and kept nothing of them (of an earlier version).
 nlohmann::json undo_step(Treatment& treatment, Canvas& canvas, const Author& author,
                          const Progress& progress = {});
 
