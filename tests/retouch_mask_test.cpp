@@ -4,6 +4,7 @@
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 
@@ -186,6 +187,43 @@ TEST(Mask, PolygonsThatAreNoneAreRefused) {
             mask_of_polygons({{{10, 1}, {12, 2}, {11, 3}}}, 8, 8);
         },
         ThrowsMessage<Error>(HasSubstr("nothing of the polygon lies in the picture")));
+}
+
+TEST(Mask, APolygonThatEnclosesNothingSaysSo) {
+    const std::vector<Polygon> none = {{{2, 2}, {4, 4}, {6, 6}},          // a line
+                                       {{2, 3}, {7, 3}, {4, 3}},          // along a row
+                                       {{3, 1}, {3, 7}, {3, 2}},          // along a column
+                                       {{2, 2}, {2, 2}, {2, 2}},          // a point
+                                       {{1, 1}, {5, 2}, {6, 7}, {5, 2}},  // there and back
+                                       {{1.1, 1.1}, {2.3, 2.3}, {7.7, 7.7}}};
+    for (const Polygon& polygon : none)
+        EXPECT_THAT([&] { mask_of_polygons({polygon}, 8, 8); },
+                    ThrowsMessage<Error>(HasSubstr("encloses nothing")));
+    // As thin as it is, it is an area.
+    EXPECT_NEAR(coverage(mask_of_polygons({{{0, 0}, {8, 8}, {8, 7.9}}}, 8, 8)), 0.4, 0.05);
+}
+
+TEST(Mask, APolygonThatCrossesItselfHoldsAllThatItGoesRound) {
+    // Twice round the same circle; a star of five, whose middle it goes round twice.
+    Polygon twice = circle(16, 16, 8);
+    const Polygon again = twice;
+    twice.insert(twice.end(), again.begin(), again.end());
+    EXPECT_NEAR(coverage(mask_of_polygons({twice}, 32, 32)), coverage(mask_of_polygons({again}, 32, 32)),
+                1e-3);
+    Polygon star;
+    for (int i = 0; i < 5; ++i) {
+        const double angle = 2 * std::numbers::pi * (2 * i) / 5;
+        star.push_back({16 + 12 * std::sin(angle), 16 - 12 * std::cos(angle)});
+    }
+    EXPECT_EQ(mask_of_polygons({star}, 32, 32)(16, 16), 1);
+    // Loops of an eight, which go round the other way each.
+    const Mask eight = mask_of_polygons({{{4, 4}, {28, 28}, {28, 4}, {4, 28}}}, 32, 32);
+    EXPECT_EQ(eight(6, 16), 1);
+    EXPECT_EQ(eight(25, 16), 1);
+    // A hole is one whichever way round it was drawn.
+    Polygon hole = circle(16, 16, 5);
+    std::ranges::reverse(hole);
+    EXPECT_EQ(mask_of_polygons({circle(16, 16, 10), hole}, 32, 32)(16, 16), 0);
 }
 
 TEST(Mask, WhatHangsTogetherIsFoundFromAnyOfItsPixels) {

@@ -105,14 +105,75 @@ Mask read_mask(const std::filesystem::path& path, int width, int height) {
     return mask;
 }
 
+namespace {
+
+// Where a line at this height enters and leaves the polygons, by place: each is one of winding number not 0,
+// and what lies within two of them is a hole. `to` is called for each run that is inside.
+template <class Run>
+void runs_inside(const std::vector<Polygon>& polygons, double at, Run&& to) {
+    struct Crossing {
+        double x;
+        std::size_t polygon;
+        int turn;
+    };
+    std::vector<Crossing> crossings;
+    for (std::size_t p = 0; p < polygons.size(); ++p)
+        for (std::size_t i = 0; i < polygons[p].size(); ++i) {
+            const Corner &a = polygons[p][i], &b = polygons[p][(i + 1) % polygons[p].size()];
+            if ((a.y <= at) != (b.y <= at))
+                crossings.push_back({a.x + (b.x - a.x) * ((at - a.y) / (b.y - a.y)), p, a.y <= at ? 1 : -1});
+        }
+    std::ranges::sort(crossings, {}, &Crossing::x);
+    std::vector<int> winding(polygons.size());
+    bool inside = false;
+    for (std::size_t i = 0; i + 1 < crossings.size(); ++i) {
+        int& own = winding[crossings[i].polygon];
+        const bool was = own != 0;
+        own += crossings[i].turn;
+        inside = inside != (was != (own != 0));
+        if (inside) to(crossings[i].x, crossings[i + 1].x);
+    }
+}
+
+// Corners on a line, or a way there and back. Of the polygon stretched to a unit square, which changes
+// nothing of it; kLeast is above what the rounding of corners (placed through a view, in doubles) leaves
+// there, and far below what a hand can draw.
+bool encloses_nothing(const Polygon& polygon) {
+    constexpr int kRows = 64;
+    constexpr double kLeast = 1e-9;
+    Corner low = polygon.front(), high = low;
+    for (const Corner& c : polygon) {
+        low = {std::min(low.x, c.x), std::min(low.y, c.y)};
+        high = {std::max(high.x, c.x), std::max(high.y, c.y)};
+    }
+    if (!(high.x > low.x) || !(high.y > low.y)) return true;
+    Polygon unit = polygon;
+    for (Corner& c : unit) c = {(c.x - low.x) / (high.x - low.x), (c.y - low.y) / (high.y - low.y)};
+    double area = 0;
+    for (int row = 0; row < kRows; ++row)
+        runs_inside({unit}, (row + 0.5) / kRows,
+                    [&](double from, double to) { area += (to - from) / kRows; });
+    return area < kLeast;
+}
+
+void require_polygon(const Polygon& polygon) {
+    if (polygon.size() < 3)
+        fail("a polygon of {} corners has no inside; give at least three", polygon.size());
+    for (const Corner& c : polygon)
+        if (!std::isfinite(c.x) || !std::isfinite(c.y))
+            fail("a polygon's corner ({}, {}) is not finite", c.x, c.y);
+    if (encloses_nothing(polygon))
+        fail("a polygon of {} corners encloses nothing: they lie on one line; set them around an area",
+             polygon.size());
+}
+
+}  // namespace
+
 Mask mask_of_polygons(const std::vector<Polygon>& polygons, int width, int height) {
     double top = height, bottom = 0;
     for (const Polygon& polygon : polygons) {
-        if (polygon.size() < 3)
-            fail("a polygon of {} corners has no inside; give at least three", polygon.size());
+        require_polygon(polygon);
         for (const Corner& c : polygon) {
-            if (!std::isfinite(c.x) || !std::isfinite(c.y))
-                fail("a polygon's corner ({}, {}) is not finite", c.x, c.y);
             top = std::min(top, c.y);
             bottom = std::max(bottom, c.y);
         }
@@ -120,21 +181,10 @@ Mask mask_of_polygons(const std::vector<Polygon>& polygons, int width, int heigh
     Mask mask(width, height);
     const int first = static_cast<int>(std::clamp(std::floor(top), 0.0, static_cast<double>(height)));
     const int last = static_cast<int>(std::clamp(std::ceil(bottom), 0.0, static_cast<double>(height)));
-    std::vector<double> crossings;
     for (int y = first; y < last; ++y)
-        for (int line = 0; line < kLines; ++line) {
-            const double at = y + (line + 0.5) / kLines;
-            crossings.clear();
-            for (const Polygon& polygon : polygons)
-                for (std::size_t i = 0; i < polygon.size(); ++i) {
-                    const Corner &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-                    if ((a.y <= at) != (b.y <= at))
-                        crossings.push_back(a.x + (b.x - a.x) * ((at - a.y) / (b.y - a.y)));
-                }
-            std::sort(crossings.begin(), crossings.end());
-            for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
-                add_run(mask.row(y), crossings[i], crossings[i + 1], 1.0f / kLines);
-        }
+        for (int line = 0; line < kLines; ++line)
+            runs_inside(polygons, y + (line + 0.5) / kLines,
+                        [&](double from, double to) { add_run(mask.row(y), from, to, 1.0f / kLines); });
     bool any = false;
     for (float& part : mask.pixels()) {
         part = std::min(part, 1.0f);

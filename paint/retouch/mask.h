@@ -55,9 +55,10 @@ Mask as_kept(const Mask& mask);
 // it has another size than the painting's.
 Mask read_mask(const std::filesystem::path& path, int width, int height);
 
-// Coverage of the inside of closed polygons, even-odd, so that holes are polygons within polygons: exact
-// along rows, over 16 lines a pixel. Throws Error for corners that are not finite, fewer than three of them,
-// and areas of which nothing lies in the picture.
+// Coverage of the inside of closed polygons: exact along rows, over 16 lines a pixel. A polygon that crosses
+// itself holds all that it goes round (nonzero winding); a polygon within another is a hole (even-odd, of
+// polygons). Throws Error for corners that are not finite, fewer than three of them, polygons that enclose
+// nothing, and areas of which nothing lies in the picture.
 Mask mask_of_polygons(const std::vector<Polygon>& polygons, int width, int height);
 
 // The line where coverage, linear between pixel centres, is 1/2 (marching squares: Lorensen & Cline 1987 in
