@@ -236,7 +236,9 @@ json run_treatment(const TreatmentArguments& a) {
     if (writes) refuse_to_overwrite(a.out, {treatment.painting(), treatment.log().path()});
     if (a.action == "status") return status(treatment);
     if (a.action == "check") return check(treatment, progress);
-    if (a.action == "retouch" || a.action == "remove" || a.action == "undo") refuse_over_unsaved(treatment);
+    // A report without them would say that they are not there.
+    if (a.action == "retouch" || a.action == "remove" || a.action == "undo" || a.action == "report")
+        refuse_over_unsaved(treatment);
     if (a.action == "retouch") return retouch(treatment, a, progress);
     if (a.action == "earlier") {
         require(a.painting, "--painting P.exr", a.action);

@@ -60,6 +60,11 @@ TEST_F(CliTreatment, GoesFromDamageToReportAndBack) {
     const Finished removed = tangipaint({"treatment", "remove", treatment(), "--all"});
     ASSERT_TRUE(ended(removed, 0));
     EXPECT_EQ(removed.json()["identical_to_original"], true);
+    const Finished back = tangipaint({"treatment", "undo", treatment()});
+    ASSERT_TRUE(ended(back, 0));
+    EXPECT_EQ(back.json()["undone"]["action"], "remove");
+    EXPECT_EQ(back.json()["layers"], checked["layers"]) << "in their order, bit for bit";
+    EXPECT_TRUE(ended(tangipaint({"treatment", "check", treatment()}), 0));
 }
 
 // Step by step backwards, masks as well; the log only grows.
@@ -212,7 +217,8 @@ TEST_F(CliTreatment, NoStepIsDoneUnderStrokesThatAreNotSaved) {
              {"retouch", "--treatment", treatment(), "--class", "loss_to_ground", "--mode", "mimetic"},
              {"treatment", "retouch", treatment()},
              {"treatment", "remove", treatment(), "--all"},
-             {"treatment", "undo", treatment()}})
+             {"treatment", "undo", treatment()},
+             {"treatment", "report", treatment(), "--out", stack_.out("report.html")}})
         EXPECT_TRUE(ended(tangipaint(command), 1, {"painting.unsaved.jsonl", "recover"})) << command[0];
     EXPECT_EQ(bytes_of(treatment() + "/log.jsonl"), log);
     EXPECT_TRUE(ended(tangipaint({"treatment", "status", treatment()}), 0));
