@@ -252,7 +252,12 @@ void Session::warn_of_no_effect(bool changed) {
             stroke_place_ == Place::painting && !canvas_.dried().empty() ? "; what is dry stays as it is"
                                                                          : ""));
     else
-        warnings_.emplace_back("the stroke changes nothing");
+        warnings_.push_back(
+            fmt::format("the stroke changes nothing{}",
+                        stroke_place_ == Place::painting && canvas_.mask()
+                            ? ": it lies outside of the mask that brushes stop at (in a treatment: the "
+                              "damage map as it is in the log)"
+                            : ""));
 }
 
 void Session::end_by(const Event& event) {

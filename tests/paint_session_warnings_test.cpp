@@ -141,6 +141,24 @@ TEST(SessionWarnings, SaysThatWhatIsDryStays) {
     EXPECT_THAT(warning(elsewhere), testing::EndsWith("no wet paint lies under it"));
 }
 
+TEST(SessionWarnings, SaysThatAStrokeLiesBesideTheMask) {
+    Session session(flat_surface(128, 96), artist_acrylics());
+    auto mask = std::make_shared<Image<float>>(128, 96);
+    for (int y = 0; y < 96; ++y)
+        for (int x = 0; x < 20; ++x) (*mask)(x, y) = 1;
+    session.canvas().confine(mask);
+    const auto warning = [&](double x) {
+        session.apply(tool_stroke("round", "Bone Black", 1));
+        session.apply(point(0, x, 0));
+        session.apply(point(0.1, x + 2, 0));
+        session.apply(EndEvent{});
+        return session.take_warning();
+    };
+    const double pixel = session.canvas().mm_per_pixel();
+    EXPECT_THAT(warning(30 * pixel), HasSubstr("outside of the mask that brushes stop at"));
+    EXPECT_EQ(warning((10 - 64) * pixel), "");
+}
+
 TEST(SessionWarnings, SaysWhyABrushHasNoPaint) {
     const auto warnings = [](StrokeEvent stroke) {
         Session session(flat_surface(128, 96), artist_acrylics());
