@@ -265,7 +265,7 @@ TEST_F(PanelPlaces, StayWhenATreatmentGoesOn) {
         draw();
         stays_when("damage is mapped", [&] {
             for (DamageRow& row : t.damage)
-                row.there = true, row.count = 12, row.area_cm2 = 123.45, row.percent = 12.3;
+                row.there = true, row.logged = {12, 123.45, 12.3};
         });
         stays_when("something is suggested", [&] {
             t.suggestion.emplace();

@@ -117,6 +117,52 @@ TEST_F(Panels, EveryButtonOfTheStepsCanBeClicked) {
     EXPECT_EQ(clicked, (std::set<std::string>{"fill", "isolate", "varnish"}));
 }
 
+// The row below moves up when a layer goes: the second click of a double click was not meant for it.
+TEST_F(Panels, ADoubleClickTakesOneLayerOff) {
+    Treating& t = state_.treating;
+    ImGuiIO& io = ImGui::GetIO();
+    const auto click = [&](float y) {
+        io.MousePos = {30, y};
+        frames(panels::treatment_layers);
+        io.MouseDown[0] = true;
+        frames(panels::treatment_layers);
+        io.MouseDown[0] = false;
+        frames(panels::treatment_layers);
+        return std::exchange(t.ask, {});
+    };
+    const auto has = [&](const std::vector<std::string>& names, const std::string& undo) {
+        t.layers.clear();
+        for (const std::string& name : names) t.layers.push_back({name, LayerRole::varnish, {}});
+        t.next_undo = {undo, ""};
+        t.layers_moved = true;
+        frames(panels::treatment_layers);
+    };
+    const auto wait = [&] {
+        for (double until = ImGui::GetTime() + 1; ImGui::GetTime() < until;) frames(panels::treatment_layers);
+    };
+    has({"fill 1", "retouch 1", "varnish 1"}, "lay varnish 1");
+    wait();
+    float top = 30, undo = 0;
+    for (; top < 300; top += 4) {
+        const auto ask = click(top);
+        if (ask.undo_step && undo == 0) undo = top;
+        if (!ask.remove.empty()) break;
+    }
+    ASSERT_LT(top, 300);
+    ASSERT_GT(undo, 0) << "above the rows";
+    EXPECT_EQ(click(top).remove, "varnish 1");
+    has({"fill 1", "retouch 1"}, "take off varnish 1");
+    EXPECT_EQ(click(top), Treating::Ask{});
+    wait();
+    EXPECT_EQ(click(top).remove, "retouch 1");
+    has({"fill 1"}, "take off retouch 1");
+    EXPECT_FALSE(click(undo).undo_step) << "it does something else than a moment ago";
+    wait();
+    EXPECT_TRUE(click(undo).undo_step) << "and stays where it is";
+    t.next_undo.refused = "nothing was kept";
+    EXPECT_FALSE(click(undo).undo_step);
+}
+
 // What is compared is lit as the photograph was: dome and sliders would move, and no picture with them.
 TEST_F(Panels, NothingIsLitWhilePhotographsAreHeldAgainstThePainting) {
     ImGuiIO& io = ImGui::GetIO();

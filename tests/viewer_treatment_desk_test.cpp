@@ -33,10 +33,10 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     t.ask.accept = true;
     settle();
     ASSERT_TRUE(t.damage[kLoss].there);
-    EXPECT_GT(t.damage[kLoss].area_cm2, 0);
+    EXPECT_GT(t.damage[kLoss].logged.area_cm2, 0);
 
     // Corrected by hand, undone, redone, and kept.
-    const double before = t.damage[kLoss].area_cm2;
+    const double before = t.damage[kLoss].logged.area_cm2;
     t.brush_mm = 6;
     draw(20, 20, 60, 20);
     draw(20, 140, 60, 140);
@@ -49,7 +49,7 @@ TEST_F(Desks, TheWholeSequenceIsInTheLog) {
     const Mask mask = treatment().mask(DamageClass::loss_to_ground);
     EXPECT_EQ(mask(40, 20), 1);
     EXPECT_EQ(mask(40, 140), 0);
-    EXPECT_GT(t.damage[kLoss].area_cm2, before);
+    EXPECT_GT(t.damage[kLoss].logged.area_cm2, before);
 
     t.ask.fill = true;
     settle();

@@ -108,7 +108,7 @@ void Hand::treatment_act(Action action) {
             t.additions = !t.additions;
             break;
         case Action::treatment_report:
-            ask.report_dialog = true;
+            ask.report_wanted = true;
             break;
         default:
             break;

@@ -14,7 +14,7 @@
 #include "paint/retouch/mask_draft.h"
 #include "paint/retouch/modes.h"
 #include "paint/retouch/pigment_pairs.h"
-#include "paint/retouch/treatment.h"
+#include "paint/retouch/treatment_steps.h"
 #include "viewer/job.h"
 #include "viewer/view.h"
 
@@ -33,11 +33,16 @@ struct MaskTouch {
     Polygon polygon{};
 };
 
-struct DamageRow {
-    DamageClass damage = DamageClass::loss_to_ground;
-    bool there = false, shown = true;
+struct DamageCount {
     int count = 0;
     double area_cm2 = 0, percent = 0;
+};
+
+struct DamageRow {
+    DamageClass damage = DamageClass::loss_to_ground;
+    bool there = false, shown = true;  // in the log
+    DamageCount logged{};
+    std::optional<DamageCount> corrected{};  // with corrections that are not in the log, where there are any
 };
 
 struct LayerRow {
@@ -146,6 +151,9 @@ struct Treating {
     RetouchOptions retouch;
     std::optional<ShownRetouch> preview;
     std::vector<LayerRow> layers;
+    bool layers_moved = false;   // since the panel drew them last
+    double layers_moved_s = -1;  // when that was, by the panel's clock
+    NextUndo next_undo;
     std::optional<TreatmentState> state;  // that is shown instead of what is there now
     std::optional<TreatmentState> left = TreatmentState::before, right;  // held against each other; or now
     bool additions = false;                                              // in false colour
@@ -171,7 +179,7 @@ struct Treating {
         bool suggest = false, accept = false, drop_suggestion = false, keep = false, drop_edits = false,
              undo = false, redo = false;
         bool fill = false, isolate = false, varnish = false, remove_all = false;
-        bool preview = false, apply = false, drop_preview = false, undo_step = false;
+        bool preview = false, apply = false, drop_preview = false, undo_step = false, report_wanted = false;
         bool compare_states = false, see_from = false, stop_comparing = false;
         bool match_around = false;
         bool add_pair = false, usual_pairs = false;

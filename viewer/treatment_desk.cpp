@@ -55,8 +55,9 @@ std::string told(const json& entry) {
     };
     add(results, "layer");
     for (const json& layer : results.value("retouches", json::array())) add(layer, "layer");
-    for (const json& layer : asked.value("layers", json::array()))
-        if (layer.is_string()) of.push_back(layer.get<std::string>());
+    for (const char* field : {"layers", "brought_back"})
+        for (const json& layer : asked.value(field, json::array()))
+            if (layer.is_string()) of.push_back(layer.get<std::string>());
     add(asked, "suggest");
     if (const json name = asked.value("class", json()); name.is_string())
         if (const auto damage = damage_class_named(name.get<std::string>()))
@@ -216,9 +217,7 @@ TreatmentDesk::Facts TreatmentDesk::facts_of(const Treatment& treatment, const C
         if (!row.there) continue;
         Mask mask = treatment.mask(row.damage);
         const MaskArea area = area_of(mask, treatment.mm_per_pixel());
-        row.count = area.regions;
-        row.area_cm2 = area.mm2 / 100;
-        row.percent = area.percent;
+        row.logged = {area.regions, area.mm2 / 100, area.percent};
         belongs = united(belongs, mask);
         facts.masks.emplace_back(row.damage, std::move(mask));
     }
@@ -231,6 +230,7 @@ TreatmentDesk::Facts TreatmentDesk::facts_of(const Treatment& treatment, const C
         facts.layers.push_back(std::move(row));
     }
     facts.additions = additions_of(canvas, layers, belongs);
+    facts.next_undo = next_undo(treatment);
     const auto& entries = treatment.log().entries();
     for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
         const json& c = entry->content;
@@ -241,9 +241,14 @@ TreatmentDesk::Facts TreatmentDesk::facts_of(const Treatment& treatment, const C
 
 void TreatmentDesk::adopt(Facts facts) {
     Treating& t = state_.treating;
-    for (std::size_t i = 0; i < facts.damage.size(); ++i) facts.damage[i].shown = t.damage[i].shown;
+    for (std::size_t i = 0; i < facts.damage.size(); ++i) {
+        facts.damage[i].shown = t.damage[i].shown;
+        if (drafts_.contains(facts.damage[i].damage)) facts.damage[i].corrected = t.damage[i].corrected;
+    }
     t.damage = facts.damage;
+    t.layers_moved |= !std::ranges::equal(t.layers, facts.layers, {}, &LayerRow::name, &LayerRow::name);
     t.layers = std::move(facts.layers);
+    t.next_undo = std::move(facts.next_undo);
     t.log = std::move(facts.log);
     if (!last_)  // a draft without corrections goes by what the class had before
         std::erase_if(drafts_, [](const auto& draft) { return !draft.second.can_undo(); });

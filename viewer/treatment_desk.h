@@ -75,6 +75,7 @@ private:
         std::vector<std::pair<DamageClass, Mask>> masks;
         std::vector<LayerRow> layers;
         std::vector<LogRow> log;
+        NextUndo next_undo;
         Image<std::uint8_t> additions;
     };
     struct Suggested {
@@ -124,6 +125,9 @@ private:
     void touch(const MaskTouch& touch);
     void changed(const Region& region);
     void count_edits();
+    void count_corrected();
+    bool all_is_logged();
+    void polygon(const Polygon& corners, MaskEdit edit);
     void wand_at(const MaskTouch& touch);
     void keep_edits();
     void drop_edits();

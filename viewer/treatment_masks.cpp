@@ -73,6 +73,10 @@ void TreatmentDesk::count_edits() {
     for (const auto& [damage, draft] : drafts_) t.edits += draft.actions();
     const auto own = drafts_.find(t.current);
     t.can_redo = own != drafts_.end() && own->second.can_redo();
+    if (drafts_.empty())
+        for (DamageRow& row : t.damage) row.corrected.reset();
+    else if (!last_)  // not at each place of a brush: a large map takes a while
+        count_corrected();
 }
 
 void TreatmentDesk::touch(const MaskTouch& touch) {
@@ -100,15 +104,9 @@ void TreatmentDesk::touch(const MaskTouch& touch) {
             last_.reset();
             count_edits();
             break;
-        case MaskTouch::Kind::polygon: {
-            MaskDraft& mask = draft();
-            const Mask area = mask_of_polygons({touch.polygon}, mask.mask().width(), mask.mask().height());
-            mask.begin();
-            const Region region = mask.combine(area, edit);
-            mask.end();
-            changed(region);
+        case MaskTouch::Kind::polygon:
+            polygon(touch.polygon, edit);
             break;
-        }
         case MaskTouch::Kind::wand:
             wand_at(touch);
             break;
@@ -127,6 +125,22 @@ void TreatmentDesk::touch(const MaskTouch& touch) {
             break;
         }
     }
+}
+
+void TreatmentDesk::polygon(const Polygon& corners, MaskEdit edit) {
+    MaskDraft& mask = draft();
+    Mask area;
+    try {
+        area = mask_of_polygons({corners}, mask.mask().width(), mask.mask().height());
+    } catch (const Error& error) {
+        setup_.say(error.what());
+        return;
+    }
+    mask.begin();
+    const Region region = mask.combine(area, edit);
+    mask.end();
+    if (region.empty()) setup_.say("the polygon encloses no pixel by half or more: nothing is drawn");
+    changed(region);
 }
 
 void TreatmentDesk::wand_at(const MaskTouch& touch) {
@@ -148,6 +162,17 @@ void TreatmentDesk::wand_at(const MaskTouch& touch) {
           });
 }
 
+// Of the class that is drawn, as the legend has it.
+void TreatmentDesk::count_corrected() {
+    const DamageClass damage = state_.treating.current;
+    DamageRow& row = *std::ranges::find(state_.treating.damage, damage, &DamageRow::damage);
+    const auto own = drafts_.find(damage);
+    row.corrected.reset();
+    if (own == drafts_.end() || !own->second.can_undo()) return;
+    const MaskArea area = area_of(own->second.mask(), state_.treating.mm_per_pixel);
+    row.corrected = {area.regions, area.mm2 / 100, area.percent};
+}
+
 // Each class that was corrected is a step.
 void TreatmentDesk::keep_edits() {
     const Treating& t = state_.treating;
@@ -160,9 +185,14 @@ void TreatmentDesk::keep_edits() {
         }
         edited.emplace_back(damage, draft);
     }
+    const std::string under_way =
+        t.polygon.empty() ? ""
+                          : "the polygon under way is not closed, and not part of it: Enter closes it, Esc "
+                            "drops it";
+    if (edited.empty() && !under_way.empty()) setup_.say("nothing is in the log yet: " + under_way);
     if (edited.empty()) return;
     start("entering the damage in the log",
-          [this, edited = std::move(edited), who = author(), painter = painter_,
+          [this, under_way, edited = std::move(edited), who = author(), painter = painter_,
            tool = std::string(name_of(t.mask_tool))](const Progress& progress) -> Finish {
               {
                   const std::lock_guard lock(held_->mutex);
@@ -172,11 +202,11 @@ void TreatmentDesk::keep_edits() {
                                 {}, progress);
               }
               Facts facts = facts_of(treatment(), canvas_of(*painter));
-              return [this, facts = std::move(facts)]() mutable {
+              return [this, under_way, facts = std::move(facts)]() mutable {
                   drafts_.clear();
                   count_edits();
                   adopt(std::move(facts));
-                  setup_.say("the damage map is in the log");
+                  setup_.say("the damage map is in the log" + (under_way.empty() ? "" : "; " + under_way));
               };
           });
 }

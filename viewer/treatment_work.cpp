@@ -1,5 +1,6 @@
 // treatment_work.cpp: of the treatment: what is asked of it, and steps that are laid.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -103,7 +104,8 @@ void TreatmentDesk::steps(const Treating::Ask& ask) {
     change_pairs(ask);
     if (ask.match_around) match({});
     if (ask.match_at) match(ask.match_at);
-    if (!ask.report.empty()) report(ask.report);
+    if (ask.report_wanted && all_is_logged()) state_.treating.ask.report_dialog = true;
+    if (!ask.report.empty() && all_is_logged()) report(ask.report);
 }
 
 // In a folder beside the painting, which is opened.
@@ -222,8 +224,12 @@ void TreatmentDesk::undo_last() {
     }
     step("undoing a step", [who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
         const json done = undo_step(treatment, canvas, who, progress);
-        return fmt::format("in the log: {} of line {} undone", done["undone"]["action"].get<std::string>(),
-                           done["undone"]["line"].get<int>());
+        const json& back = done["brought_back"];
+        return fmt::format("in the log: {} of line {} undone{}", done["undone"]["action"].get<std::string>(),
+                           done["undone"]["line"].get<int>(),
+                           back.empty() ? ""
+                                        : fmt::format("; {} on the painting again",
+                                                      fmt::join(back.get<std::vector<std::string>>(), ", ")));
     });
 }
 
@@ -312,6 +318,21 @@ void TreatmentDesk::apply() {
                          who, progress);
         return fmt::format("in the log: {} ({})", made->layer, made->parameters["mode"].get<std::string>());
     });
+}
+
+// A report is of what is in the log: says what is not.
+bool TreatmentDesk::all_is_logged() {
+    if (state_.left_over_strokes > 0)
+        setup_.say("first recover the strokes that were not saved, or put them aside: no report has them");
+    else if (state_.painter.unsaved)
+        setup_.say("first enter in the log what was painted: Ctrl+S; no report has it before");
+    else if (state_.treating.edits > 0)
+        setup_.say(
+            "first enter the corrections of the map in the log (Ctrl+K), or drop them: no report has them "
+            "before");
+    else
+        return true;
+    return false;
 }
 
 void TreatmentDesk::report(const fs::path& html) {

@@ -16,6 +16,25 @@ namespace {
 // Cells that the map is drawn in, along a side: within one, perspective is as good as straight.
 constexpr int kCells = 24;
 
+// Number, area and share of a class, as they are with the corrections that are not in the log.
+void counted(const DamageRow& row, bool scale_known) {
+    const DamageCount& now = row.corrected ? *row.corrected : row.logged;
+    const bool any = row.there || row.corrected;
+    const ImVec4 colour = row.corrected ? kWarning : ImGui::GetStyleColorVec4(ImGuiCol_Text);
+    const auto column = [&](const std::string& text) {
+        ImGui::TableNextColumn();
+        if (!any) return;
+        ImGui::TextColored(colour, "%s", text.c_str());
+        if (row.corrected)
+            tip(row.there ? fmt::format("With corrections that are not in the log, which has {}, {:.2f} %",
+                                        row.logged.count, row.logged.percent)
+                          : "Not in the log yet");
+    };
+    column(fmt::format("{}", now.count));
+    column(scale_known ? fmt::format("{:.2f} cm²", now.area_cm2) : "");
+    column(fmt::format("{:.2f} %", now.percent));
+}
+
 void legend(WindowState& s) {
     Treating& t = s.treating;
     if (!ImGui::BeginTable("legend", 4, ImGuiTableFlags_SizingFixedFit)) return;
@@ -40,12 +59,7 @@ void legend(WindowState& s) {
         }
         tip("Drawn on with the tool Damage");
         ImGui::PopID();
-        ImGui::TableNextColumn();
-        if (row.there) ImGui::Text("%d", row.count);
-        ImGui::TableNextColumn();
-        if (row.there && t.scale_known) ImGui::Text("%.2f cm²", row.area_cm2);
-        ImGui::TableNextColumn();
-        if (row.there) ImGui::Text("%.2f %%", row.percent);
+        counted(row, t.scale_known);
     }
     ImGui::EndTable();
     if (!t.scale_known) {
@@ -154,9 +168,9 @@ void suggested(WindowState& s) {
     const auto there = std::ranges::find(t.damage, shown.as, &DamageRow::damage);
     if (shown.stale)
         replaces = "looked for with other settings: suggest again";
-    else if (shown.shown > 0 && there != t.damage.end() && there->there && there->count > 0)
-        replaces =
-            fmt::format("takes the place of {} mapped area{}", there->count, there->count == 1 ? "" : "s");
+    else if (shown.shown > 0 && there != t.damage.end() && there->there && there->logged.count > 0)
+        replaces = fmt::format("takes the place of {} mapped area{}", there->logged.count,
+                               there->logged.count == 1 ? "" : "s");
     note(replaces, 1, kWarning);
     ImGui::BeginDisabled(shown.shown == 0 || shown.stale);
     if (ImGui::Button("Take over")) t.ask.accept = true;

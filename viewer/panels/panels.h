@@ -10,7 +10,7 @@
 
 namespace tangi::panels {
 
-inline const ImVec4 kWarning(1, 0.8f, 0.3f, 1);
+inline const ImVec4 kWarning(1, 0.8f, 0.3f, 1), kFault(1, 0.45f, 0.4f, 1), kGood(0.55f, 0.9f, 0.55f, 1);
 
 // A place on the canvas area, which begins `left` [pixels] from the window's edge.
 inline ImVec2 in_window(const glm::dvec2& screen, float left) {
@@ -94,6 +94,7 @@ void treatment_parts(WindowState& state);  // what is in it
 void treatment(WindowState& state);        // of the left column: to begin or open one
 void damage(WindowState& state);
 void steps(WindowState& state);
+void treatment_layers(WindowState& state);  // of the steps
 void matching(WindowState& state);
 void record(WindowState& state);
 void tip(const std::string& text);  // of the item before

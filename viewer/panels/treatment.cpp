@@ -12,8 +12,6 @@ namespace tangi::panels {
 
 namespace {
 
-const ImVec4 kFault(1, 0.45f, 0.4f, 1), kGood(0.55f, 0.9f, 0.55f, 1);
-
 bool number(const char* label, double& value, float low, float high, const char* format,
             bool logarithmic = false) {
     return slide(label, value, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
@@ -137,7 +135,12 @@ void by_hand(WindowState& s) {
          ImGui::GetStyleColorVec4(ImGuiCol_Text));
     note(painted ? fmt::format("{} pixels of it on original", s.painter.outside_px) : "", 1,
          s.painter.outside_px > 0 ? kFault : kGood);
-    note(t.no_strokes, 3, ImGui::GetStyleColorVec4(ImGuiCol_Text));
+    note(t.confined && t.edits > 0 && t.no_strokes.empty()
+             ? fmt::format("brushes stop at the damage map as it is in the log, without the corrections that "
+                           "are not ({})",
+                           s.keys.text(Action::keep_damage))
+             : t.no_strokes,
+         3, ImGui::GetStyleColorVec4(ImGuiCol_Text));
 }
 
 // What a retouch that is previewed is like, in a room of its own.
@@ -198,32 +201,6 @@ void laid(WindowState& s) {
         if (ImGui::Button("Put aside")) t.ask.drop_preview = true;
     });
     previewed(t.preview);
-}
-
-void layers(WindowState& s) {
-    Treating& t = s.treating;
-    if (t.layers.empty()) ImGui::TextDisabled("nothing was added yet");
-    for (auto layer = t.layers.rbegin(); layer != t.layers.rend(); ++layer) {  // what lies on top first
-        ImGui::PushID(layer->name.c_str());
-        if (ImGui::SmallButton("Take off")) t.ask.remove = layer->name;
-        tip("A step of the treatment; what lies below stays as it is");
-        ImGui::SameLine();
-        ImGui::TextUnformatted(layer->name.c_str());
-        if (layer->role == LayerRole::fill || layer->role == LayerRole::retouch) {
-            ImGui::SameLine();
-            const int beside = layer->on_original.pixels;
-            ImGui::TextColored(beside > 0 ? kFault : kGood, "%d px on original", beside);
-        }
-        ImGui::PopID();
-    }
-    if (t.log.size() < 2) return;
-    if (ImGui::SmallButton("Undo the last step")) t.ask.undo_step = true;
-    tip("Takes off what it laid, or makes the damage map what it was before; the log keeps the step, and has "
-        "a "
-        "line more that says it was undone");
-    if (t.layers.size() < 2) return;
-    ImGui::SameLine();
-    if (ImGui::SmallButton("Take all off")) t.ask.remove_all = true;
 }
 
 void states(WindowState& s) {
@@ -304,7 +281,7 @@ void steps(WindowState& s) {
         if (ImGui::Button("Varnish all")) t.ask.varnish = true;
         tip(s.keys.text(Action::varnish));
     });
-    folding("Layers", true, [&] { layers(s); });  // last: there are more with each step
+    folding("Layers", true, [&] { treatment_layers(s); });  // last: there are more with each step
 }
 
 void record(WindowState& s) {
@@ -313,7 +290,7 @@ void record(WindowState& s) {
     if (ImGui::Button("Check again")) t.ask.check = true;
     tip("Compares masks, layers and the original with the log");
     ImGui::SameLine();
-    if (ImGui::Button("Report …")) t.ask.report_dialog = true;
+    if (ImGui::Button("Report …")) t.ask.report_wanted = true;
     tip(s.keys.text(Action::treatment_report) + ": a page to print, with annotations and masks beside it");
     ImGui::TextWrapped("%s", std::filesystem::path(t.folder).filename().string().c_str());
     tip(t.folder);
