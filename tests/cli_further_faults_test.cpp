@@ -45,16 +45,6 @@ protected:
 TEST_F(CliFurtherFaults, StepsOfATreatment) {
     try_scene({"fill", {kBegun}, kFilled, kChecked, {{"varnish", "T"}, kChecked}});
     try_scene({"retouch", {kBegun, kFilled}, kRetouched, kChecked, {{"varnish", "T"}, kChecked}});
-    try_scene({"retouch and picture",
-               {kBegun, kFilled},
-               further(kRetouched, {"--preview", "s.png"}),
-               kChecked,
-               {{"varnish", "T"}, kChecked}});
-    try_scene({"match and picture",
-               {kBegun, kFilled},
-               further(with_loss({"match", "--treatment", "T"}), {"--max-paints", "2", "--swatch", "s.png"}),
-               kChecked,
-               {{"varnish", "T"}, kChecked}});
     try_scene({"quality of it",
                {kBegun, kFilled, kRetouched},
                {"quality", "--treatment", "T"},

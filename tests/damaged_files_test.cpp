@@ -51,8 +51,9 @@ std::string objection(const FileKind& kind, const fs::path& path) {
         if (said.find(path.filename().string()) == std::string::npos)
             return "does not name the file: " + said;
         if (!is_utf8(said)) return "is no UTF-8: " + said;
+        // "[json.exception…" is among them; "[json" alone may be a name that a file gives.
         for (const char* innards : {"exception", "std::", "basic_", "Imf", "EXR_", "stoi", "stod", "nlohmann",
-                                    "[json", "cv::", "libpng", "OpenImageIO could"})
+                                    "cv::", "libpng", "OpenImageIO could"})
             if (said.find(innards) != std::string::npos) return "speaks of innards: " + said;
         if (said.find('\n') != std::string::npos || said.size() > kLongestMessage_bytes)
             return "is long: " + said;
