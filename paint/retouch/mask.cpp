@@ -111,19 +111,19 @@ namespace {
 // and what lies within two of them is a hole. `to` is called for each run that is inside.
 template <class Run>
 void runs_inside(const std::vector<Polygon>& polygons, double at, Run&& to) {
-    struct Crossing {
+    struct RimCrossing {
         double x;
         std::size_t polygon;
         int turn;
     };
-    std::vector<Crossing> crossings;
+    std::vector<RimCrossing> crossings;
     for (std::size_t p = 0; p < polygons.size(); ++p)
         for (std::size_t i = 0; i < polygons[p].size(); ++i) {
             const Corner &a = polygons[p][i], &b = polygons[p][(i + 1) % polygons[p].size()];
             if ((a.y <= at) != (b.y <= at))
                 crossings.push_back({a.x + (b.x - a.x) * ((at - a.y) / (b.y - a.y)), p, a.y <= at ? 1 : -1});
         }
-    std::ranges::sort(crossings, {}, &Crossing::x);
+    std::ranges::sort(crossings, {}, &RimCrossing::x);
     std::vector<int> winding(polygons.size());
     bool inside = false;
     for (std::size_t i = 0; i + 1 < crossings.size(); ++i) {
@@ -136,11 +136,11 @@ void runs_inside(const std::vector<Polygon>& polygons, double at, Run&& to) {
 }
 
 // Corners on a line, or a way there and back. Of the polygon stretched to a unit square, which changes
-// nothing of it; kLeast is above what the rounding of corners (placed through a view, in doubles) leaves
-// there, and far below what a hand can draw.
+// nothing of it; kLeastEnclosed is above what the rounding of corners (placed through a view, in doubles)
+// leaves there, and far below what a hand can draw.
 bool encloses_nothing(const Polygon& polygon) {
     constexpr int kRows = 64;
-    constexpr double kLeast = 1e-9;
+    constexpr double kLeastEnclosed = 1e-9;
     Corner low = polygon.front(), high = low;
     for (const Corner& c : polygon) {
         low = {std::min(low.x, c.x), std::min(low.y, c.y)};
@@ -153,7 +153,7 @@ bool encloses_nothing(const Polygon& polygon) {
     for (int row = 0; row < kRows; ++row)
         runs_inside({unit}, (row + 0.5) / kRows,
                     [&](double from, double to) { area += (to - from) / kRows; });
-    return area < kLeast;
+    return area < kLeastEnclosed;
 }
 
 void require_polygon(const Polygon& polygon) {
