@@ -213,6 +213,22 @@ void PhotoFile::read_raw_rows(int y0, int y1, std::span<float> values) {
     if (y1 == header_.height) std::vector<std::uint16_t>().swap(raw);
 }
 
+namespace {
+
+// Linear light; NaN where a channel has full scale, to rounding: what is clipped leaves just that, and light
+// hardly.
+void decode(const Transfer& profile, std::size_t channels, std::span<float> values) {
+    constexpr float rounding = 1e-6f, nan = std::numeric_limits<float>::quiet_NaN();
+    for (; !values.empty(); values = values.subspan(channels)) {
+        const std::span<float> pixel = values.first(channels);
+        const bool clipped = std::any_of(pixel.begin(), pixel.end(),
+                                         [](float value) { return std::abs(value - 1) < rounding; });
+        for (float& value : pixel) value = clipped ? nan : profile.decode(value);
+    }
+}
+
+}  // namespace
+
 void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
     const auto row = static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(header_.channels);
     TP_REQUIRE(y0 >= 0 && y0 < y1 && y1 <= header_.height, "rows lie in the picture");
@@ -227,8 +243,9 @@ void PhotoFile::read_rows(int y0, int y1, std::span<float> values) {
         return true;
     });
     require_no_negative(y0, y1, values);
+    mask_what_is_no_number(y0, values);  // as stored: marks are values
     mask_transparent(values);
-    mask_what_is_no_number(y0, values);
+    if (decoder_->profile) decode(*decoder_->profile, static_cast<std::size_t>(header_.channels), values);
     if (decoder_->lab) linear_of_lab(*decoder_->lab, decoder_->rows->content().bits, values);
 }
 
@@ -275,19 +292,6 @@ void PhotoFile::require_no_negative(int y0, int y1, std::span<const float> value
             y0, y1 - 1);
 }
 
-namespace {
-
-// Linear light; NaN where a channel has full scale, to rounding: what is clipped leaves just that, and light
-// hardly.
-void decode(const Transfer& profile, std::span<float> pixel) {
-    constexpr float rounding = 1e-6f, nan = std::numeric_limits<float>::quiet_NaN();
-    const bool clipped =
-        std::any_of(pixel.begin(), pixel.end(), [](float value) { return std::abs(value - 1) < rounding; });
-    for (float& value : pixel) value = clipped ? nan : profile.decode(value);
-}
-
-}  // namespace
-
 // A colour of which one channel is not known is none.
 void PhotoFile::mask_what_is_no_number(int y0, std::span<float> values) {
     if (!header_.is_float || decoder_->lab) return;
@@ -296,10 +300,7 @@ void PhotoFile::mask_what_is_no_number(int y0, std::span<float> values) {
                width = static_cast<std::size_t>(header_.width);
     for (std::size_t i = 0; i < values.size() / channels; ++i) {
         const std::span<float> pixel = values.subspan(i * channels, channels);
-        if (std::all_of(pixel.begin(), pixel.end(), is_light)) {
-            if (decoder_->profile) decode(*decoder_->profile, pixel);
-            continue;
-        }
+        if (std::all_of(pixel.begin(), pixel.end(), is_light)) continue;
         std::fill(pixel.begin(), pixel.end(), std::numeric_limits<float>::quiet_NaN());
         // What the file does not have is no number that is wrong.
         const bool counts = decoder_->alphas.empty() || decoder_->alphas[i] >= kLeastAlpha;
