@@ -4,10 +4,14 @@
 #include <cairo-pdf.h>
 #include <pango/pangocairo.h>
 
+#include <algorithm>
 #include <numbers>
+#include <regex>
+#include <set>
 
 #include "paint/retouch/treatment_log.h"
 #include "surface/error.h"
+#include "surface/memory_error.h"
 
 namespace tangi {
 
@@ -16,6 +20,23 @@ namespace {
 cairo_status_t take(void* bytes, const unsigned char* data, unsigned int length) {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
     return CAIRO_STATUS_SUCCESS;
+}
+
+// Objects that are referred to and are not there: cairo (1.16) leaves a font out without a word where there
+// was no memory for it, and the text with it.
+bool lacks_objects(const std::string& pdf) {
+    std::string outside;  // of streams
+    for (std::size_t at = 0; at < pdf.size();) {
+        const std::size_t begin = std::min(pdf.find("stream\n", at), pdf.size());
+        outside.append(pdf, at, begin - at);
+        at = std::min(pdf.find("endstream", begin), pdf.size());
+        if (at < pdf.size()) at += std::string_view("endstream").size();
+    }
+    static const std::regex reference(R"(\([^)]*\)|(\d+) 0 (R|obj)\b)");
+    std::set<std::string> there, meant;
+    for (std::sregex_iterator it(outside.begin(), outside.end(), reference), end; it != end; ++it)
+        if ((*it)[1].matched) ((*it)[2] == "R" ? meant : there).insert((*it)[1]);
+    return !std::ranges::includes(there, meant);
 }
 
 }  // namespace
@@ -179,6 +200,7 @@ std::string Pdf::finish() {
     cairo_surface_finish(target_.get());
     const cairo_status_t status = cairo_surface_status(target_.get());
     if (status != CAIRO_STATUS_SUCCESS) fail("PDF: {}", cairo_status_to_string(status));
+    if (lacks_objects(bytes_)) fail("PDF: {}", kNoMemory);
     return std::move(bytes_);
 }
 
