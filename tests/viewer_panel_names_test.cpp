@@ -264,8 +264,7 @@ TEST_F(PanelPlaces, StayWhenATreatmentGoesOn) {
         t.forward = tab;
         draw();
         stays_when("damage is mapped", [&] {
-            for (DamageRow& row : t.damage)
-                row.there = true, row.logged = {12, 123.45, 12.3};
+            for (DamageRow& row : t.damage) row.there = true, row.logged = {12, 123.45, 12.3};
         });
         stays_when("something is suggested", [&] {
             t.suggestion.emplace();
