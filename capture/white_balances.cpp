@@ -28,6 +28,8 @@ constexpr double kMatters = 0.03;
 // matters, surely: 2.5 left no cast of 168 generated stacks silent and told none of 56 without (matt to
 // gilded, 8 to 40 lights, JPEG of quality 75 and up; 2 told one, 3 left two silent).
 constexpr double kCastSigmas = 4, kSureSigmas = 2.5;
+// [1] ln: bronze and gold give lamps such colours, which are no cast of the photograph.
+constexpr double kLeastUndone = 0.1;
 // [1] Of what a pixel usually has of its photograph's light: less is shadow, lit from around; more is
 // highlight, and half as much again is as much as a veil may add (kMostVeil).
 constexpr float kShadow = 0.4f, kHighlight = 1 + static_cast<float>(kMostVeil);
@@ -262,6 +264,13 @@ WhiteBalances white_balances(const ColourSamples& samples, std::span<const Light
             result.photos[i] = judged(ratios, beside, i, lights.empty() ? kUsualLight : lights[i].direction);
     });
     refer_to_most(result.photos);
+    // Lamps of as many colours: none is the one that a photograph to come would have, and what undoes them in
+    // these makes others worse predicted.
+    const bool no_most = 2 * static_cast<std::size_t>(result.differing()) > result.photos.size();
+    for (WhiteBalance& photo : result.photos) {
+        const double size = std::max(std::abs(photo.log_gain.x), std::abs(photo.log_gain.y));
+        if (no_most || size < kLeastUndone) photo.unclear |= std::exchange(photo.differs, false);
+    }
     return result;
 }
 
@@ -351,11 +360,9 @@ std::string warning_of(const WhiteBalances& balances, std::span<const std::strin
                     std::exp(b.log_gain.y) * b.sigma.y);
     if (differing == 0)
         return fmt::format(
-            "{}: colours change from photograph to photograph in {} of {}, most in {}; by how much depends "
-            "on "
-            "the place (a second light, metal and gloss look like that), so it is no white balance and is "
-            "not "
-            "undone",
+            "{}: colours change from photograph to photograph in {} of {}, most in {}; lamps of several "
+            "colours, "
+            "a second light, metal and gloss look like that, so it is not undone",
             where, unclear, balances.photos.size(), by);
     const bool no_most = 2 * static_cast<std::size_t>(differing) > balances.photos.size();
     return fmt::format(
