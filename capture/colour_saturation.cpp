@@ -176,10 +176,8 @@ std::string warning_of(std::span<const ColourSaturation> photos, std::span<const
     if (told.empty()) return {};
     return fmt::format(
         "{}: {} of {} photographs have other colours than most, as if their saturation was changed or they "
-        "were made "
-        "grey: {}. This is not undone, and colours and gloss are wrong by it: convert all photographs alike, "
-        "from "
-        "the camera's files, or leave these out of the lights file",
+        "were made grey: {}. This is not undone, and colours and gloss are wrong by it: convert all "
+        "photographs alike, from the camera's files, or leave these out of the lights file",
         where, told.size(), photos.size(), joined(told));
 }
 

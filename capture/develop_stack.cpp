@@ -196,8 +196,7 @@ void check_frames(Stack& stack, const DevelopReport& report_) {
         if (below > 0.5)
             fail(
                 "{}: the dark frame ({:.4f} of full scale on average) is brighter than {:.0f} % of the "
-                "brightest "
-                "photograph; it must be taken with the lens covered",
+                "brightest photograph; it must be taken with the lens covered",
                 name, dark->mean, 100 * below);
         if (dark->mean > brightest)
             stack.warnings.push_back(fmt::format(

@@ -36,8 +36,7 @@ void require_alike(const PhotoFile& file, const std::string& role, const FrameCo
     if (header.width != like.width || header.height != like.height)
         fail(
             "{}: the {} is {} x {}, the photographs ({}) are {} x {}; take it with the same camera settings, "
-            "not "
-            "cropped or reduced",
+            "not cropped or reduced",
             file.path().string(), role, header.width, header.height, context.like_path.filename().string(),
             like.width, like.height);
     if (header.channels != like.channels)
@@ -138,8 +137,7 @@ std::shared_ptr<Frame> gain_of_flat(AveragedFrame& flat, const Frame* dark, cons
     if (summary.clipped > kMostClipped)
         fail(
             "{}: {:.0f} % of the flat field's values are clipped, so it does not tell how bright the light "
-            "is there; "
-            "take it with a shorter exposure (about half of full scale)",
+            "is there; take it with a shorter exposure (about half of full scale)",
             name, 100 * summary.clipped);
     subtract_dark(flat, dark, 1, context);
     const auto channels = static_cast<std::size_t>(context.like.channels);
@@ -174,8 +172,7 @@ std::shared_ptr<Frame> gain_of_flat(AveragedFrame& flat, const Frame* dark, cons
     if (summary.unusable > kMostUnusable)
         fail(
             "{}: {:.0f} % of the flat field are darker than a tenth of its mean; it must show an even white "
-            "surface "
-            "that fills the picture",
+            "surface that fills the picture",
             name, 100 * summary.unusable);
     return flat.frame;
 }

@@ -200,8 +200,7 @@ std::string decode_vectors(std::vector<glm::dvec3>& vectors, const std::string& 
     if (is_angles && farthest > grazing)
         fail(
             "{}: its numbers seem to be azimuth and elevation in degrees (the third is {:.0f} throughout); "
-            "give x = "
-            "cos(elevation) cos(azimuth), y = cos(elevation) sin(azimuth), z = sin(elevation)",
+            "give x = cos(elevation) cos(azimuth), y = cos(elevation) sin(azimuth), z = sin(elevation)",
             file_name, third);
     return {};
 }

@@ -96,12 +96,12 @@ std::optional<LabKind> lab_of(int photometric) {
 std::vector<std::string> doubts_about(const PictureContent& content) {
     std::vector<std::string> doubts;
     if (content.profile_damage)
-        doubts.push_back(fmt::format(
-            "its colour profile (ICC) is damaged ({}), and it is read as if it had none: by what else it "
-            "says "
-            "of its encoding (EXIF, sRGB and gAMA chunks), or by what the photographs show; where colours "
-            "matter, save it anew with a sound profile",
-            *content.profile_damage));
+        doubts.push_back(
+            fmt::format("its colour profile (ICC) is damaged ({}), and it is read as if it had none: by what "
+                        "else it says of its encoding (EXIF, sRGB and gAMA chunks), or by what the "
+                        "photographs show; where colours "
+                        "matter, save it anew with a sound profile",
+                        *content.profile_damage));
     if (content.alike > 1)
         doubts.push_back(fmt::format(
             "holds {} pictures of the same size, of which the first (page {}) is used; where another one is "
@@ -165,8 +165,7 @@ void refuse_what_is_no_light(const fs::path& path, const PictureContent& content
     if (content.of_inks)
         fail_photo(path,
                    "is stored in printing inks (CMYK), which do not say how much light there was; convert it "
-                   "to RGB, "
-                   "or develop the camera's file anew");
+                   "to RGB, or develop the camera's file anew");
 }
 
 }  // namespace

@@ -30,8 +30,7 @@ Brackets brackets_of(const std::optional<std::string>& asked, const fs::path& fo
         if (found.empty())
             fail(
                 "{}: no light has several photographs NAME_1, NAME_2 …; name them so, or list them in a file "
-                "with "
-                "--brackets FILE",
+                "with --brackets FILE",
                 folder.string());
         return found;
     }
@@ -71,8 +70,7 @@ public:
         if (lights_.front().name.empty())
             fail(
                 "{}: has {} lights and does not name photographs, of which there are {} in {}; leave as many "
-                "there, in "
-                "the order of the lights",
+                "there, in the order of the lights",
                 lights_path_.string(), lights_.size(), photos_.size(), folder_.string());
         tell_missing();
         tell_choices();

@@ -278,10 +278,8 @@ std::string says_sharpened(const Sharpening& sharpening) {
     if (!sharpening.suspected()) return {};
     return fmt::format(
         "the photographs {}: their noise has {:.2f} ± {:.2f} times the power in waves of 3 pixels that it "
-        "has in "
-        "waves of 8, and no lens or sensor does that. Fine relief comes out too steep by as much; export "
-        "them "
-        "without sharpening (and without clarity or texture)",
+        "has in waves of 8, and no lens or sensor does that. Fine relief comes out too steep by as much; "
+        "export them without sharpening (and without clarity or texture)",
         sharpening.found() ? "are sharpened" : "seem to be sharpened", sharpening.ratio, sharpening.error);
 }
 

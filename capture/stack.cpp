@@ -66,8 +66,7 @@ void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path, std:
     if (below.size() > stack.photos.size())
         fail(
             "{}: {} of {} lights come from below the painting (z < 0): {}. z must point towards the camera; "
-            "if all "
-            "are negative, the file uses the opposite sign",
+            "if all are negative, the file uses the opposite sign",
             lights_path.string(), below.size(), below.size() + stack.photos.size(), joined(below));
     stack.warnings.push_back(
         fmt::format("{}: left out {} photograph{} lit from below the painting's plane: {}",
@@ -113,8 +112,7 @@ std::string doubt_of_pixels(const Stack& stack) {
     return fmt::format(
         "{}: pixels that are {:.3g} times as wide as they are high are taken for squares: lengths along the "
         "rows are off by that factor, and heights with them, where slopes of 45° become {:.0f}°; resample "
-        "the "
-        "photographs to square pixels, or correct that entry",
+        "the photographs to square pixels, or correct that entry",
         stack.photos.front().path.string(), aspect, std::atan(1 / aspect) * 180 / std::numbers::pi);
 }
 

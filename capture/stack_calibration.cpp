@@ -31,14 +31,13 @@ fs::path find_lights_file(const fs::path& folder) {
     if (found.empty() && photos_in(folder).empty())
         fail(
             "{}: neither photographs (JPEG, PNG, TIFF, EXR, TGA, BMP or camera raw) nor a lights file in "
-            "this "
-            "folder",
+            "this folder",
             folder.string());
     if (found.empty())
         fail(
             "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
-            "make "
-            "one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated (without "
+            "make one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated "
+            "(without "
             "--uncalibrated where they show a mirror ball)",
             folder.string());
     if (found.size() > 1)
@@ -167,8 +166,7 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
 [[noreturn]] void refuse_flips(const fs::path& path) {
     fail(
         "{}: --lights-flip-x, --lights-flip-y and --lights-turn are about the vectors of an .lp; in this "
-        "file "
-        "x points right and y up",
+        "file x points right and y up",
         path.string());
 }
 
@@ -240,8 +238,8 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         if (options.lights_in_mm && !(capture && capture->mm_per_pixel))
             fail(
                 "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "
-                "--out "
-                "scale.json --no-balls --ppi …, --scale-bar, --marker-mm or --corners) and give --capture "
+                "--out scale.json --no-balls --ppi …, --scale-bar, --marker-mm or --corners) and give "
+                "--capture "
                 "scale.json",
                 lights_path.string(), folder.string());
         if (!capture) return read;

@@ -361,8 +361,7 @@ std::string warning_of(const WhiteBalances& balances, std::span<const std::strin
     if (differing == 0)
         return fmt::format(
             "{}: colours change from photograph to photograph in {} of {}, most in {}; lamps of several "
-            "colours, "
-            "a second light, metal and gloss look like that, so it is not undone",
+            "colours, a second light, metal and gloss look like that, so it is not undone",
             where, unclear, balances.photos.size(), by);
     const bool no_most = 2 * static_cast<std::size_t>(differing) > balances.photos.size();
     return fmt::format(

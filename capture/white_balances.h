@@ -26,8 +26,9 @@ struct WhiteBalance {
     glm::dvec2 uneven{0};    // between quarters of the picture
     glm::dvec2 uneven_sigma{0};  // how large that is without any second light
     int samples = 0;             // that tell it
-    bool differs = false;        // beyond its errors, and by more than matters
-    bool unclear = false;        // by a lot, but pixels disagree by how much: no gain of a photograph
+    bool differs = false;        // beyond its errors, and by more than matters: to be undone
+    // Told only: pixels disagree by how much, metal does as much, or lamps have as many colours as there are.
+    bool unclear = false;
 
     // [1] By which the photograph's channels are to be divided to be as the others; 1 where it doesn't
     // differ.
@@ -40,8 +41,8 @@ struct WhiteBalances {
         photos;  // empty where they cannot be told: grey, too few photographs or samples
 
     Rgb gain(std::size_t photo) const { return photo < photos.size() ? photos[photo].gain() : Rgb(1); }
-    // Beside photographs of which these were measured before, as those of a chart; nothing changes where both
-    // say the same of what most have in common.
+    // Beside photographs of which these were measured before, as those of a chart, which knows the colour of
+    // every lamp; nothing changes where both say the same of what most have in common.
     void refer_to(std::span<const std::optional<glm::dvec2>> log_gains);
     int differing() const;
     int unclear() const;

@@ -204,8 +204,7 @@ UsableStack PhotosArguments::open() const {
     if (opened.stack.photos.empty())
         fail(
             "--hold-out {}: all {} photographs are held out, which leaves 0 usable photographs; at least 4 "
-            "under "
-            "different lights are needed",
+            "under different lights are needed",
             hold_out, opened.stack.held_out.size());
     return opened;
 }

@@ -71,10 +71,9 @@ std::string says_lights_are_as_viewed(const Stack& stack) {
     if (stack.orientation == 1) return {};
     return fmt::format(
         ". The photographs carry EXIF orientation {}, which is not applied: the lights seem to be listed for "
-        "the "
-        "pictures as viewers show them. Either give these flags, and the painting is as the pixels are "
-        "stored; or "
-        "turn the pixels of all photographs as viewers do and set the orientation to 1 (exiftran -a, or "
+        "the pictures as viewers show them. Either give these flags, and the painting is as the pixels are "
+        "stored; or turn the pixels of all photographs as viewers do and set the orientation to 1 (exiftran "
+        "-a, or "
         "ImageMagick's mogrify -auto-orient), and leave the lights as they are",
         stack.orientation);
 }
@@ -93,8 +92,7 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
         reasons.push_back(fmt::format(
             "no name in the lights file is that of a photograph, so lights were taken in the order of the "
             "file names, and those that the photographs show scatter by {:.0f}° round the listed ones: is "
-            "the "
-            "order the same? Name the photographs in the lights file as they are called",
+            "the order the same? Name the photographs in the lights file as they are called",
             report.odd_lights.scatter_deg));
     if (!report.turned_doubt.empty()) reasons.push_back(report.turned_doubt);
     if (!report.transfer.doubt.empty()) reasons.push_back(report.transfer.doubt);
@@ -304,8 +302,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (arguments.faithful && !faithful.report.used)
         warnings.push_back(
             "--faithful: a residual predicts photographs that were left out no better than the surface "
-            "alone, "
-            "so none is stored");
+            "alone, so none is stored");
     if (arguments.faithful && !faithful.report.used)
         fit.surface.provenance = with_faithful_in_vain(fit.surface.provenance);
     if (!development.encoding.doubt.empty()) opened.poor.push_back(development.encoding.doubt);

@@ -108,8 +108,7 @@ void require_sound(const QualityArguments& a) {
         if (a.painting.empty() || a.out.empty() || a.area.masks.empty())
             throw UsageError(
                 "give a painting, its retouches and where to write: quality PAINTING.exr --mask MASK.png "
-                "--out DIR; "
-                "or --treatment");
+                "--out DIR; or --treatment");
         if (!a.area.classes.empty() || !a.area.polygons.empty())
             throw UsageError("--class and --polygon are of a treatment; give --mask, or --treatment");
         require_writable_folder(a.out);

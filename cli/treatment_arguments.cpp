@@ -102,8 +102,7 @@ void refuse_over_unsaved(const Treatment& treatment) {
     if (waits)
         fail(
             "{}: strokes that were painted in the window are not saved, and go on from the painting as it is "
-            "now; save "
-            "them there first, or open {} and recover them or put them aside",
+            "now; save them there first, or open {} and recover them or put them aside",
             files.unsaved.string(), treatment.folder().string());
 }
 

@@ -244,8 +244,7 @@ void warn_of_misfit(Stack& stack, const FitReport& report) {
                               "paint {:.1f} times): metal, glass and varnish look like that",
                               misfits.glossy.rms, 100 * misfits.glossy.part, misfits.matt.rms)
                 : "not only where there is gloss: wrong light directions look like that, and noise and "
-                  "compression "
-                  "that are coarser than is expected",
+                  "compression that are coarser than is expected",
             not_by.empty() ? "" : fmt::format(" ({} were looked for, and it is none of them)", not_by));
     stack.warnings.push_back(fmt::format(
         "{}: photographs differ from the model by {}{}{}; {}", stack.folder.string(),

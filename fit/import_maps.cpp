@@ -106,8 +106,7 @@ void take_normals(const Image<Rgb>& map, const fs::path& path, bool y_down, Surf
     if (part > 0.5)
         fail(
             "{}: {} of its {} normals point away from the viewer (z is not above 0): it is no normal map of "
-            "the "
-            "picture plane, or its z, {}, has the other sign; save it with z towards the viewer",
+            "the picture plane, or its z, {}, has the other sign; save it with z towards the viewer",
             path.string(), report_.facing_away, report_.measured,
             stored_as_is ? "the third channel" : "blue");
     if (part > 0)
@@ -187,8 +186,7 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
     if (!files.across || !files.tangent || !files.roughness)
         fail(
             "{}: roughness, roughness_v and tangent say together how lobes are drawn out, and {} is missing; "
-            "add "
-            "it, or take this file away",
+            "add it, or take this file away",
             (files.across ? *files.across : *files.tangent).string(),
             !files.across    ? "roughness_v"
             : !files.tangent ? "tangent"

@@ -103,10 +103,8 @@ std::string doubt_of_any_order(const ListOrder& order) {
     if (!order.fits_no_order()) return {};
     return fmt::format(
         "the lights do not fit the photographs in the order they are listed: they explain {:.0f} % of how "
-        "shading "
-        "changes, the list in random orders {:.0f} %, and any three lights could {:.0f} %. No other order "
-        "that was "
-        "tried fits either: look whether the list is of these photographs",
+        "shading changes, the list in random orders {:.0f} %, and any three lights could {:.0f} %. No other "
+        "order that was tried fits either: look whether the list is of these photographs",
         100 * order.explained, 100 * order.by_chance, 100 * order.explainable);
 }
 
@@ -142,8 +140,8 @@ std::string or_order(const ListOrder& order, const SignCheck& signs, const std::
     if (same == order.as_turns.end()) return {};
     return fmt::format(
         ". Or the list of lights {}: lamps that stand in an even ring look the same then, so it is the order "
-        "or "
-        "the turn. Look from which side {} is lit: from that of its own line, once turned, or from that of "
+        "or the turn. Look from which side {} is lit: from that of its own line, once turned, or from that "
+        "of "
         "{}'s",
         told(*same, names).what, names.front(), names[same->light_of.front()]);
 }

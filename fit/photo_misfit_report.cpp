@@ -23,8 +23,8 @@ constexpr double kOff = 0.1;
 constexpr double kVeil = 0.1;
 // [1] Times the middling photograph's misfit, and so many photographs at most: these stand out.
 constexpr double kStandsOut = 3;
-constexpr std::size_t kFew = 4;  // that are named
-constexpr std::size_t kFewOff = 2;
+constexpr std::size_t kFew = 4;     // that are named
+constexpr std::size_t kFewOff = 2;  // lamps that fail in one session, at most: a guess
 
 bool tells(const MisfitTerm& term) {
     return term.effect > kTells && std::abs(term.value) > kBeyondError * term.error;
@@ -104,19 +104,19 @@ std::string doubt_of_room(const PhotoMisfits& misfits, const std::vector<std::st
 void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& names,
                    std::vector<std::string>& doubts) {
     const std::vector<std::size_t> off = those_that(misfits, is_off);
-    if (off.size() > kFewOff) {  // more lamps than fail in one session
-        doubts.push_back(fmt::format(
-            "{} of {} photographs show next to none of the light that their lamps should give: {}. Look "
-            "whether "
-            "the lights are listed in the order of the photographs; or these lamps did not fire, and the "
-            "photographs are to be left out",
-            off.size(), names.size(),
-            list_of(
-                off, misfits, [](const PhotoMisfit& p) { return -p.strength; },
-                [&](std::size_t i, const PhotoMisfit& p) {
-                    return fmt::format("{} {:.2f} ± {:.2f}", names[i], std::max(p.strength, 0.0),
-                                       p.gain.error);
-                })));
+    if (off.size() > kFewOff) {
+        doubts.push_back(
+            fmt::format("{} of {} photographs show next to none of the light that their lamps should give: "
+                        "{}. Look whether the lights are listed in the order of the photographs; or these "
+                        "lamps did not fire, and the "
+                        "photographs are to be left out",
+                        off.size(), names.size(),
+                        list_of(
+                            off, misfits, [](const PhotoMisfit& p) { return -p.strength; },
+                            [&](std::size_t i, const PhotoMisfit& p) {
+                                return fmt::format("{} {:.2f} ± {:.2f}", names[i], std::max(p.strength, 0.0),
+                                                   p.gain.error);
+                            })));
         return;
     }
     for (const std::size_t i : off) {
@@ -149,8 +149,8 @@ std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vecto
         doubts.push_back(fmt::format(
             "all photographs have a veil: where no lamp reaches, they show {:.3f} ± {:.3f} more than is in "
             "proportion to the paint ({:.0f} % of the middling brightness). Light scattered in the lens "
-            "(clean "
-            "it, keep lamps out of its sight), a black level that was not taken off, or a window do that; "
+            "(clean it, keep lamps out of its sight), a black level that was not taken off, or a window do "
+            "that; "
             "slopes come out too flat",
             veil.value, veil.error, 100 * veil.effect));
     return doubts;

@@ -292,8 +292,7 @@ std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<LeftOut>&
                                    [&](const TurnedPhoto& t) { return t.pose == turned[0].pose; });
     const std::string what = fmt::format(
         "{}: {} of {} photographs are {} against the others, in their pixels: {}; turn them back, or set "
-        "their "
-        "EXIF orientation right",
+        "their EXIF orientation right",
         stack.folder.string(), turned.size(), all, alike ? in_words(turned[0].pose) : "turned or mirrored",
         joined(names));
     stack.warnings.push_back(what + "; left out");

@@ -223,8 +223,7 @@ void Session::lay_out(const PaletteEvent& event) {
         if (size_mm < kSmallestPile_mm || size_mm < kSmallestPile_px * mm)
             warnings_.push_back(fmt::format(
                 "the palette of {:.4g} x {:.4g} mm is too small for {} paints: their piles are {:.2g} mm "
-                "({:.2g} "
-                "pixels) wide, and a brush does not meet one alone; lay out fewer, or make it larger "
+                "({:.2g} pixels) wide, and a brush does not meet one alone; lay out fewer, or make it larger "
                 "('width_mm', 'height_mm') before it is used",
                 board.width() * mm, board.height() * mm, piles.size(), size_mm, size_mm / mm));
     });

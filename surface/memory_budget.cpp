@@ -112,8 +112,7 @@ void require_memory(const fs::path& path, double bytes, std::string_view what) {
     if (bytes <= left) return;
     fail(
         "{}: {} takes {:.1f} GB of memory, and {:.1f} GB are left; reduce it, or cut it in parts, or give "
-        "the "
-        "program more (ulimit -v, or the limit of a container)",
+        "the program more (ulimit -v, or the limit of a container)",
         path.string(), what, bytes / 1e9, left / 1e9);
 }
 

@@ -31,8 +31,7 @@ void require_no_hidden_picture(const fs::path& path, const TiffPages& pages) {
     if (const TiffPage* larger = pages.larger_hidden())
         fail(
             "{}: its picture of {} x {} lies below a smaller one ({} x {}), where it cannot be read "
-            "(SubIFD); "
-            "save it as a plain TIFF",
+            "(SubIFD); save it as a plain TIFF",
             path.string(), larger->width, larger->height, pages.picture().width, pages.picture().height);
 }
 

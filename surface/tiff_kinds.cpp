@@ -35,8 +35,7 @@ const char* unreadable_colours(const TiffPage& page) {
                "converter, or name it .dng if it is a DNG file";
     if (page.photometric == kTiffLogL || page.photometric == kTiffLogLuv)
         return "stores logarithms of luminance (LogLuv), which are not read; save it as an EXR file, or as a "
-               "TIFF of "
-               "32-bit floats";
+               "TIFF of 32-bit floats";
     if (page.photometric == kTiffItuLab)
         return "stores colours of a fax machine (ITU L*a*b*), which are not read; save it as RGB";
     if (page.photometric == kTiffYcbcr && page.bits != 8)

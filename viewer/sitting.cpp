@@ -61,6 +61,10 @@ bool is_older(const fs::path& a, const fs::path& b) {
     return !unknown && time_a < time_b;
 }
 
+bool holds_no_work(const Journal& journal) {
+    return std::ranges::all_of(journal.entries, [](const auto& entry) { return is_setting(entry.event); });
+}
+
 void add_file(OutputSet& set, SittingRecord::Files& files, const fs::path& path,
               const std::function<void(AtomicFile&)>& fill) {
     auto file = std::make_unique<AtomicFile>(path);
@@ -86,9 +90,7 @@ std::optional<Journal> left_over(const SittingFiles& files) {
     Journal journal = recovered_journal(files.unsaved);
     if (journal.entries.empty() && journal.lines_lost > 0)
         fail("{}:{}: {}", journal.source, journal.warnings.front().line, journal.warnings.front().text);
-    if (std::ranges::all_of(journal.entries,
-                            [](const Journal::Entry& entry) { return is_setting(entry.event); }))
-        return {};
+    if (holds_no_work(journal)) return {};
     if (journal.head.on.empty() && is_older(files.unsaved, files.painting)) return {};
     return journal;
 }
@@ -142,8 +144,7 @@ void SittingRecord::put_older_away() {
         older = recovered_journal(files_.unsaved);
     } catch (const Error&) {  // it is none, or of another version
     }
-    if (older && older->lines_lost == 0 &&
-        std::ranges::all_of(older->entries, [](const auto& entry) { return is_setting(entry.event); })) {
+    if (older && older->lines_lost == 0 && holds_no_work(*older)) {
         fs::remove(files_.unsaved);
         return;
     }

@@ -112,8 +112,7 @@ Mask mask_before(const Treatment& treatment, const std::string& name, const LogE
             earlier.content.value("outputs", none).contains("masks/" + name + ".png"))
             fail(
                 "{}: line {} of the log was written by an earlier version, which did not keep the '{}' "
-                "before; "
-                "correct the map with tangipaint damage --edit",
+                "before; correct the map with tangipaint damage --edit",
                 treatment.folder().string(), entry.line, name);
     return Mask(treatment.width(), treatment.height());
 }
@@ -197,8 +196,7 @@ json undo_step(Treatment& treatment, Canvas& canvas, const Author& author, const
     if (!last.entry)
         fail(
             "{}: there is no step to undo: nothing lies on the painting, no damage was mapped, and no "
-            "earlier "
-            "state was kept",
+            "earlier state was kept",
             treatment.folder().string());
     const json undone = {{"line", last.entry->line},
                          {"action", last.entry->content.at("action")},

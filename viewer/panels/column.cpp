@@ -75,8 +75,7 @@ void left_over(WindowState& s) {
     if (of_another) {
         if (ImGui::Button("Put aside (Enter)")) s.ask.discard = true;
         tip("They are kept in a file beside the painting. To have them on their own painting, put that back "
-            "in "
-            "its place and open it");
+            "in its place and open it");
         ImGui::SameLine();
         if (ImGui::Button(fmt::format("Paint {} on this", strokes).c_str())) s.ask.recover = true;
         return;
@@ -161,8 +160,7 @@ void file(WindowState& s) {
     if (s.painter.elsewhere)
         note(
             "Open in another window: look only. Paint there; or save it under another name here, and paint "
-            "on "
-            "that",
+            "on that",
             1, kWarning);
     else if (s.scale_known)
         note(fmt::format("{}, {:.1f} × {:.1f} mm", size, s.painting.width * s.stroke_mm_per_pixel,

@@ -33,8 +33,7 @@ void undo_and_all(WindowState& s) {
             t.ask.undo_step = true;
         tip(undo +
             ". What a step laid comes off, what was taken off lies there again, the damage map is what it "
-            "was "
-            "before; the log keeps the step, and has a line more that says it was undone");
+            "was before; the log keeps the step, and has a line more that says it was undone");
     });
     idle_while(t.layers.empty(), "There is no layer", [&] {
         if (ImGui::SmallButton("Take all off") && is_meant(t)) t.ask.remove_all = true;
