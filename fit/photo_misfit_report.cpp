@@ -23,8 +23,9 @@ constexpr double kOff = 0.1;
 constexpr double kVeil = 0.1;
 // [1] Times the middling photograph's misfit, and so many photographs at most: these stand out.
 constexpr double kStandsOut = 3;
-constexpr std::size_t kFew = 4;     // that are named
-constexpr std::size_t kFewOff = 2;  // lamps that fail in one session, at most: a guess
+constexpr double kMostlyMatt = 0.5;  // [1] of what was compared
+constexpr std::size_t kFew = 4;      // that are named
+constexpr std::size_t kFewOff = 2;   // lamps that fail in one session, at most: a guess
 
 bool tells(const MisfitTerm& term) {
     return term.effect > kTells && std::abs(term.value) > kBeyondError * term.error;
@@ -101,6 +102,12 @@ std::string doubt_of_room(const PhotoMisfits& misfits, const std::vector<std::st
             }));
 }
 
+// Where not even most photographs are explained in matt paint, or most of the painting is not matt, what is
+// left of one photograph has no cause of its own.
+bool tells_causes(const PhotoMisfits& misfits) {
+    return !is_in_matt_paint(misfits) && misfits.matt.part >= kMostlyMatt;
+}
+
 void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& names,
                    std::vector<std::string>& doubts) {
     const std::vector<std::size_t> off = those_that(misfits, is_off);
@@ -136,9 +143,7 @@ void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& 
 std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vector<std::string>& names) {
     std::vector<std::string> doubts;
     add_lamps_off(misfits, names, doubts);
-    // Where not even most photographs are explained in matt paint, what is left of one has no cause of its
-    // own.
-    if (is_in_matt_paint(misfits)) return doubts;
+    if (!tells_causes(misfits)) return doubts;
     const MisfitTerm& veil = misfits.veil;
     const bool veiled = veil.effect > kVeil && veil.value > kBeyondError * veil.error;
     // Of a veil, photographs have different parts: no light of the room that some have.
@@ -161,6 +166,7 @@ bool is_in_matt_paint(const PhotoMisfits& misfits) { return misfits.matt.rms > 1
 bool is_in_gloss(const PhotoMisfits& misfits) { return misfits.glossy.rms > 2 * misfits.matt.rms; }
 
 std::string ruled_out(const PhotoMisfits& misfits) {
+    if (!tells_causes(misfits)) return {};
     const bool veil = misfits.veil.error > 0;
     if (misfits.judged > 0)
         return veil ? "focus, light of the room and a veil" : "focus and light of the room";

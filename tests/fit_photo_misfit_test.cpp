@@ -153,11 +153,29 @@ TEST(PhotoMisfit, WhatIsMattAndWhatIsGlossyAreTold) {
     misfits.matt.rms = 2;
     EXPECT_TRUE(is_in_matt_paint(misfits));
     EXPECT_FALSE(is_in_gloss(misfits));
+    misfits.judged = 8;
+    EXPECT_EQ(ruled_out(misfits), "") << "what is not explained on the whole rules nothing out";
+    misfits.matt.rms = 0.3;
+    misfits.judged = 0;
     EXPECT_EQ(ruled_out(misfits), "") << "nothing could be judged";
     misfits.judged = 8;
     EXPECT_EQ(ruled_out(misfits), "focus and light of the room");
     misfits.veil.error = 0.001;
     EXPECT_EQ(ruled_out(misfits), "focus, light of the room and a veil");
+}
+
+// As of a varnished door, of which one pixel in a hundred counts as matt.
+TEST(PhotoMisfit, CausesAreToldWhereMostIsMattAndExplained) {
+    PhotoMisfits misfits;
+    misfits.photos.assign(8, {.rms = 0.5, .strength = 1});
+    misfits.photos[2].blur = {1.5, 0.1, 1.2};
+    const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g", "h"};
+    misfits.matt = {.rms = 0.4, .part = 0.9};
+    EXPECT_THAT(doubts_of(misfits, names), ElementsAre(HasSubstr("c 1.22")));
+    misfits.matt.part = 0.01;
+    EXPECT_THAT(doubts_of(misfits, names), IsEmpty());
+    misfits.matt = {.rms = 1.1, .part = 0.9};
+    EXPECT_THAT(doubts_of(misfits, names), IsEmpty());
 }
 
 TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
