@@ -61,6 +61,11 @@ struct BallCalibration {
     std::vector<Light> usable_lights() const;  // with positions where there are
 };
 
+// [px] Radius that balls must be seen with as the user's numbers say: focal length · radius / depth, or
+// radius / (size of a pixel on the painting). Nothing where these are not all given. Photographs are
+// width x height pixels.
+std::optional<double> expected_radius_px(const BallCalibrationOptions& options, int width, int height);
+
 // What is known of the photographs where no ball is in them: all lights are left out.
 BallCalibration without_balls(const PhotoSet& photos, const BallCalibrationOptions& options);
 

@@ -33,20 +33,6 @@ bool is_of_size(double radius_px, double expected_px) {
     return radius_px < kGross * expected_px && expected_px < kGross * radius_px;
 }
 
-std::optional<double> expected_radius_px(const BallCalibrationOptions& options, int width, int height) {
-    if (!options.ball_radius_mm) return std::nullopt;
-    const double radius_mm = *options.ball_radius_mm;
-    std::optional<double> focal_px = options.focal_px;
-    if (options.focal_35mm)
-        focal_px = *options.focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
-    if (focal_px && options.camera_distance_mm) {
-        const double depth_mm = *options.camera_distance_mm - options.ball_height_mm.value_or(radius_mm);
-        if (depth_mm > radius_mm) return *focal_px * radius_mm / depth_mm;
-    }
-    if (options.mm_per_pixel) return radius_mm / *options.mm_per_pixel;
-    return std::nullopt;
-}
-
 void keep_one_size(BallSearch& search, const std::optional<double>& expected_px) {
     std::vector<FoundBall>& balls = search.balls;
     const auto of_size = [](double radius_px) {

@@ -4,7 +4,9 @@
 // ball does; its size gives it away.
 #pragma once
 
-#include "capture/ball_calibration.h"
+#include <optional>
+
+#include "capture/mirror_ball.h"
 
 namespace tangi {
 
@@ -24,11 +26,6 @@ bool cannot_both_be(const BallImage& a, const BallImage& b);
 // [1] How much speaks for a ball: part of its outline that shows, times part of the photographs in which it
 // shows the lamp.
 double weight_of(const FoundBall& ball);
-
-// [px] Radius that balls must be seen with as the user's numbers say: focal length · radius / depth, or
-// radius / (size of a pixel on the painting). Nothing where these are not all given. Photographs are
-// width x height pixels.
-std::optional<double> expected_radius_px(const BallCalibrationOptions& options, int width, int height);
 
 // Of balls that nobody spoke of, keeps those of the expected size where there are any; else those of the size
 // that most speaks for: highlights found and outline seen, summed over all balls of that size. Others are

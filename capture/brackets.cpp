@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "capture/photo_match.h"
+#include "capture/photo_folder.h"
 #include "capture/photo_metadata.h"
 #include "capture/photo_names.h"
 #include "surface/atomic_file.h"

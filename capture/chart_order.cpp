@@ -1,10 +1,7 @@
-// chart_order.cpp: the colours' order, and homographies through OpenCV.
 #include "capture/chart_order.h"
 
 #include <glm/matrix.hpp>
 #include <limits>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "surface/error.h"
 #include "surface/median.h"
@@ -31,13 +28,6 @@ double luminance_of(const dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.072
 dvec2 centre_of(std::size_t patch) {
     return {static_cast<double>(patch % kChartColumns) + 0.5,
             static_cast<double>(patch / kChartColumns) + 0.5};
-}
-
-Homography homography_of(const cv::Mat& m) {
-    Homography h;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) h[column][row] = m.at<double>(row, column);
-    return h;
 }
 
 // Weighted least squares of target = matrix * colour.
@@ -134,28 +124,6 @@ double order_misfit(const ChartColours& colours) {
         }
     }
     return median(misfits);
-}
-
-Homography homography_between(const ChartCorners& from, const ChartCorners& to) {
-    const std::optional<Homography> h = homography_through(from, to);
-    TP_REQUIRE(h, "three of the points lie on a line");
-    return *h;
-}
-
-std::optional<Homography> homography_through(std::span<const dvec2> from, std::span<const dvec2> to,
-                                             double stray) {
-    TP_REQUIRE(from.size() == to.size(), "points come in pairs");
-    if (from.size() < 4) return std::nullopt;
-    std::vector<cv::Point2d> a, b;
-    for (const dvec2& p : from) a.emplace_back(p.x, p.y);
-    for (const dvec2& p : to) b.emplace_back(p.x, p.y);
-    const cv::Mat m = stray > 0 ? cv::findHomography(a, b, cv::RANSAC, stray, cv::noArray(), 500)
-                                : cv::findHomography(a, b, 0);
-    if (m.empty()) return std::nullopt;
-    const Homography h = homography_of(m);
-    const double size = glm::determinant(h);
-    if (!std::isfinite(size) || std::abs(size) < 1e-12) return std::nullopt;
-    return h;
 }
 
 }  // namespace tangi

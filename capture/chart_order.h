@@ -1,5 +1,5 @@
 // chart_order.h: whether 24 colours are those of the classic chart, in this order, whatever the camera and
-// the light; and the maps between grids and pictures that the search for a chart needs.
+// the light.
 #pragma once
 
 #include "capture/colour_chart.h"
@@ -17,14 +17,5 @@ ChartColours sampled_patches(const Image<Rgb>& linear, const Homography& chart_t
 // is good; other orders of the same colours are above 0.15. Infinite with fewer than 12 patches in the
 // picture.
 double order_misfit(const ChartColours& colours);
-
-// The map that takes four points to four others. ContractError where three of either lie on a line.
-Homography homography_between(const ChartCorners& from, const ChartCorners& to);
-
-// Least squares of the distances in the target, from four points on; nothing where they lie on a line. With
-// `stray` > 0, through the largest set of points found that are no farther off than that (RANSAC, Fischler
-// and Bolles 1981; the same choices each time).
-std::optional<Homography> homography_through(std::span<const glm::dvec2> from, std::span<const glm::dvec2> to,
-                                             double stray = 0);
 
 }  // namespace tangi

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "capture/transfer_metadata.h"
+#include "capture/stated_transfer.h"
 #include "surface/error.h"
 #include "surface/html_text.h"
 #include "surface/picture_file.h"

@@ -11,7 +11,7 @@
 #include "capture/photo_source.h"
 #include "capture/raw_file.h"
 #include "capture/survey.h"
-#include "capture/transfer_metadata.h"
+#include "capture/transfer_decision.h"
 #include "capture/unusable_photos.h"
 #include "surface/error.h"
 #include "surface/median.h"

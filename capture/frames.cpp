@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "capture/full_scale.h"
+#include "capture/photo_file.h"
 #include "capture/survey.h"
 #include "surface/error.h"
 #include "surface/visible_files.h"

@@ -118,12 +118,4 @@ bool take_full_scale(Stack& stack, const Survey& survey) {
     return stack.bits == 32 && !stack.says_linear && take_floats(stack, survey);
 }
 
-void divide_by_full_scale(std::span<float> values, double full_scale, bool codes) {
-    const auto factor = static_cast<float>(1 / full_scale);
-    for (float& value : values) {
-        value *= factor;
-        if (codes && !std::isnan(value)) value = std::clamp(value, 0.0f, 1.0f);
-    }
-}
-
 }  // namespace tangi

@@ -22,7 +22,4 @@ namespace tangi {
 // Nothing is done twice, nor with camera raw or what is developed.
 bool take_full_scale(Stack& stack, const Survey& survey);
 
-// Values in units of full scale; of codes none is above it or below 0. NaN stays.
-void divide_by_full_scale(std::span<float> values, double full_scale, bool codes);
-
 }  // namespace tangi

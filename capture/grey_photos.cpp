@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "capture/photo_file.h"
-#include "capture/photo_match.h"
+#include "capture/photo_folder.h"
 #include "surface/error.h"
 #include "surface/parallel.h"
 

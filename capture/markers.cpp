@@ -9,9 +9,9 @@
 #include <opencv2/aruco.hpp>
 #include <set>
 
-#include "capture/chart_order.h"
 #include "surface/colour.h"
 #include "surface/error.h"
+#include "surface/homography.h"
 #include "surface/median.h"
 
 namespace tangi {

@@ -17,7 +17,7 @@
 #include "capture/left_out.h"
 #include "capture/photo_metadata.h"
 #include "capture/raw_file.h"
-#include "capture/transfer_metadata.h"
+#include "capture/stated_transfer.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"
 #include "surface/picture_rows.h"
@@ -305,6 +305,14 @@ void PhotoFile::mask_what_is_no_number(int y0, std::span<float> values) {
         const bool counts = decoder_->alphas.empty() || decoder_->alphas[i] >= kLeastAlpha;
         without_number_ +=
             counts && content.has(static_cast<int>(i % width), y0 + static_cast<int>(i / width));
+    }
+}
+
+void divide_by_full_scale(std::span<float> values, double full_scale, bool codes) {
+    const auto factor = static_cast<float>(1 / full_scale);
+    for (float& value : values) {
+        value *= factor;
+        if (codes && !std::isnan(value)) value = std::clamp(value, 0.0f, 1.0f);
     }
 }
 

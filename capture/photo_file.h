@@ -77,4 +77,7 @@ private:
     std::unique_ptr<Decoder> decoder_;
 };
 
+// Values in units of full scale; of codes none is above it or below 0. NaN stays.
+void divide_by_full_scale(std::span<float> values, double full_scale, bool codes);
+
 }  // namespace tangi

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "capture/exposure_merge.h"
-#include "capture/full_scale.h"
 #include "capture/photo_profiles.h"
 #include "capture/survey.h"
 #include "surface/error.h"

@@ -6,11 +6,11 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "capture/chart_order.h"
 #include "capture/marked_photo.h"
 #include "capture/plane_pose.h"
 #include "capture/scale_agreement.h"
 #include "surface/error.h"
+#include "surface/homography.h"
 #include "surface/photography_json.h"
 
 namespace tangi {

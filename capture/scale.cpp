@@ -5,8 +5,8 @@
 #include <glm/matrix.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/chart_order.h"
 #include "surface/error.h"
+#include "surface/homography.h"
 #include "surface/photography_json.h"
 
 namespace tangi {

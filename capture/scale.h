@@ -32,8 +32,6 @@ Scale scale_from_bar(const glm::dvec2& first_px, const glm::dvec2& last_px, doub
 // Of pictures that were scanned; the number is taken to be rounded to whole ones.
 Scale scale_from_ppi(double pixels_per_inch);
 
-using Corners = std::array<glm::dvec2, 4>;  // [px] top left, top right, bottom right, bottom left
-
 // The scale at the middle of a rectangle of known size, such as the painting. Its standard error includes how
 // much the two sides disagree, beyond what perspective can do; a warning says so where they were likely
 // swapped.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "capture/chart_order.h"
 #include "capture/plane_pose.h"
 #include "surface/error.h"
+#include "surface/homography.h"
 
 namespace tangi {
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "capture/brackets.h"
+#include "capture/photo_folder.h"
 #include "capture/photo_match.h"
 #include "capture/photo_profiles.h"
 #include "capture/stack_calibration.h"

@@ -6,7 +6,7 @@
 
 #include "capture/dome_file.h"
 #include "capture/lights_file.h"
-#include "capture/photo_match.h"
+#include "capture/photo_folder.h"
 #include "capture/relight_file.h"
 #include "surface/error.h"
 #include "surface/picture_file.h"

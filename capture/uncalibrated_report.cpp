@@ -4,8 +4,8 @@
 
 #include "capture/grey_photos.h"
 #include "capture/photo_metadata.h"
+#include "capture/stated_transfer.h"
 #include "capture/survey.h"
-#include "capture/transfer_metadata.h"
 #include "surface/error.h"
 #include "surface/page_parts.h"
 

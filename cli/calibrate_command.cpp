@@ -5,7 +5,7 @@
 #include "capture/calibration_page.h"
 #include "capture/develop_stack.h"
 #include "capture/photo_profiles.h"
-#include "capture/transfer_metadata.h"
+#include "capture/stated_transfer.h"
 #include "capture/uncalibrated_report.h"
 #include "capture/usable_stack.h"
 #include "cli/calibrate_arguments.h"

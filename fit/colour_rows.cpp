@@ -15,7 +15,7 @@
 
 #include <hwy/contrib/math/math-inl.h>
 
-#include "fit/ward_vector-inl.h"
+#include "surface/simd_math-inl.h"
 
 #ifndef TANGI_COLOUR_ROWS_ONCE
 #define TANGI_COLOUR_ROWS_ONCE
@@ -57,7 +57,7 @@ void PowerRow(const PowerCurve& curve, const float* from, float* to, std::size_t
     std::size_t i = 0;
     for (; i + lanes <= count; i += lanes) hn::StoreU(value(hn::LoadU(tag, from + i)), tag, to + i);
     if (i == count) return;
-    alignas(64) float rest[kWardLanes] = {};
+    alignas(64) float rest[kVectorLanes] = {};
     std::copy(from + i, from + count, rest);
     hn::Store(value(hn::Load(tag, rest)), tag, rest);
     std::copy(rest, rest + (count - i), to + i);

@@ -5,7 +5,7 @@
 #include "capture/compression.h"
 #include "capture/full_scale.h"
 #include "capture/stray_photos.h"
-#include "capture/transfer_metadata.h"
+#include "capture/transfer_decision.h"
 #include "fit/turned_photos.h"
 
 namespace tangi {

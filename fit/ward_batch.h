@@ -12,10 +12,11 @@
 
 #include "capture/pixel_samples.h"
 #include "fit/ward_fit.h"
+#include "surface/vector_targets.h"
 
 namespace tangi {
 
-constexpr int kWardLanes = 16;
+constexpr int kWardLanes = kVectorLanes;
 
 // One number for each of 16 pixels.
 struct alignas(64) WardLane {

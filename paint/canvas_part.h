@@ -4,8 +4,8 @@
 #include <variant>
 #include <vector>
 
-#include "paint/transfer.h"
 #include "surface/image.h"
+#include "surface/row_span.h"
 
 namespace tangi {
 

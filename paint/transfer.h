@@ -14,6 +14,7 @@
 
 #include "paint/bristle_lanes.h"
 #include "paint/brush_sides.h"
+#include "surface/row_span.h"
 
 namespace tangi {
 
@@ -41,11 +42,6 @@ struct TransferRates {
     float pit_mm = 1e9f, bulge_mm = 1e9f;
     float still_mm = 0;  // [mm] thickness of which paint does not flow into pits while a brush passes
     float stay_mm = 0;   // [mm] thickness of which paint does not flow at all, however steep it lies
-};
-
-// Columns begin <= x < end of a row.
-struct RowSpan {
-    int begin = 0, end = 0;
 };
 
 // A row of each ingredient: `offset` floats from the beginning of its plane.

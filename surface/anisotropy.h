@@ -16,7 +16,7 @@
 #include <glm/vec2.hpp>
 #include <utility>
 
-#include "surface/surface.h"
+#include "surface/image.h"
 
 namespace tangi {
 
@@ -40,6 +40,17 @@ StretchShape<T> shape_of(T a, T b) {
     const T k = s > T(1e-4) ? sinh(2 * s) / s : T(2) + T(4.0 / 3) * s * s;
     return {cosh(2 * s), k * a, k * b};
 }
+
+// Where a lobe is drawn out (anisotropic Ward; the frame is above): alpha is `roughness`
+// times a factor along the tangent, and that much less across it, so that `roughness` stays their geometric
+// mean and an isotropic lobe of it has the same peak and energy.
+struct LobeAxes {
+    float roughness_v =
+        0.3f;           // [1] alpha across the tangent; that of the surface where the lobe is isotropic
+    float tangent = 0;  // [rad] of the tangent from x towards y; 0 where the lobe is isotropic
+
+    friend bool operator==(const LobeAxes&, const LobeAxes&) = default;
+};
 
 inline Stretch stretch_of(const LobeAxes& axes, float roughness) {
     const float s = std::log(roughness / axes.roughness_v);

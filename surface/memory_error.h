@@ -1,5 +1,4 @@
-// memory_error.h: what libraries throw where memory ran out, which is not always std::bad_alloc; and what is
-// said of it.
+// memory_error.h: what libraries throw where memory ran out, which is not always std::bad_alloc.
 #pragma once
 
 #include <cerrno>
@@ -8,9 +7,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-
-#include "surface/file_name.h"
-#include "surface/stale_temporaries.h"
 
 namespace tangi {
 
@@ -33,13 +29,6 @@ inline bool says_no_memory(const std::exception& error) {
         system && (system->code().value() == ENOMEM || system->code().value() == EAGAIN))
         return true;
     return says_no_memory(std::string_view(error.what()));
-}
-
-// What went wrong, in the words that a person is told: no library's for memory and files, no temporary name.
-inline std::string message_of(const std::exception& error) {
-    if (says_no_memory(error)) return kNoMemory;
-    const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error);
-    return in_lasting_names(of_file ? words_of(*of_file) : error.what());
 }
 
 }  // namespace tangi

@@ -53,17 +53,6 @@ const Photography::Photo* find_photo(const Photography& photography, const Light
 // as strong and as near as the lamps that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
-// Where a lobe is drawn out (anisotropic Ward; surface/anisotropy.h has the frame): alpha is `roughness`
-// times a factor along the tangent, and that much less across it, so that `roughness` stays their geometric
-// mean and an isotropic lobe of it has the same peak and energy.
-struct LobeAxes {
-    float roughness_v =
-        0.3f;           // [1] alpha across the tangent; that of the surface where the lobe is isotropic
-    float tangent = 0;  // [rad] of the tangent from x towards y; 0 where the lobe is isotropic
-
-    friend bool operator==(const LobeAxes&, const LobeAxes&) = default;
-};
-
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =
 // 0.
 struct Surface {

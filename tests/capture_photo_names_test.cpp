@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/brackets.h"
-#include "capture/photo_match.h"
+#include "capture/photo_folder.h"
 #include "capture/usable_stack.h"
 #include "tests/test_support.h"
 

@@ -8,7 +8,7 @@
 
 #include "capture/profile_colours.h"
 #include "capture/survey.h"
-#include "capture/transfer_metadata.h"
+#include "capture/transfer_decision.h"
 #include "surface/icc_profile.h"
 #include "tests/test_support.h"
 

@@ -1,5 +1,6 @@
 // capture_transfer_metadata_test.cpp: what files say about their transfer curve, and when it is believed.
-#include "capture/transfer_metadata.h"
+#include "capture/stated_transfer.h"
+#include "capture/transfer_decision.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>

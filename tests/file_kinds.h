@@ -17,7 +17,7 @@
 #include "capture/photo_metadata.h"
 #include "capture/profile_colours.h"
 #include "capture/relight_file.h"
-#include "capture/transfer_metadata.h"
+#include "capture/stated_transfer.h"
 #include "fit/import_maps.h"
 #include "fit/rti_file.h"
 #include "paint/canvas_file.h"

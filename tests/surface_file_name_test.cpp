@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/atomic_file.h"
+#include "surface/error_message.h"
 #include "surface/memory_error.h"
 #include "tests/test_support.h"
 

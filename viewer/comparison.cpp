@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 
 namespace tangi {
 

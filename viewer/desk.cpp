@@ -5,7 +5,7 @@
 #include "paint/canvas_file.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "surface/output_set.h"
 #include "viewer/settings.h"
 #include "viewer/treatment_desk.h"

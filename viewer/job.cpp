@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "surface/stale_temporaries.h"
 
 namespace tangi {

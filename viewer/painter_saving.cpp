@@ -4,7 +4,7 @@
 #include "paint/retouch/confining_mask.h"
 #include "paint/tools_file.h"
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "surface/overview.h"
 #include "surface/painting_file.h"
 #include "viewer/painter.h"

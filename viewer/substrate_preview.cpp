@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "surface/surface_part.h"
 #include "viewer/board_picture.h"
 

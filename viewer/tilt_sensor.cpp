@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 
 namespace tangi {
 

@@ -6,7 +6,7 @@
 #include "paint/retouch/paint_media.h"
 #include "paint/retouch/recipe_json.h"
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "viewer/treatment_desk.h"
 
 namespace tangi {

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "viewer/file_ending.h"
 #include "viewer/settings.h"
 #include "viewer/window_app.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/error_message.h"
 #include "surface/picture_file.h"
 #include "viewer/sweep.h"
 #include "viewer/window_app.h"

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "paint/retouch/damage_class.h"
 #include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/treatment.h"
 
 namespace tangi {
 

@@ -25,32 +25,13 @@
 #include <vector>
 
 #include "paint/canvas.h"
+#include "paint/retouch/damage_class.h"
 #include "paint/retouch/mask.h"
 #include "paint/retouch/treatment_log.h"
 #include "surface/painting_parts.h"
 #include "surface/progress.h"
 
 namespace tangi {
-
-// Classes of damage; terms as in EN 15898 and the condition survey of EN 16095.
-enum class DamageClass {
-    loss_to_ground,   // paint is gone, the ground is bare
-    loss_to_support,  // ground and paint are gone
-    abrasion,         // paint is worn thin
-    craquelure,
-    flaking,  // paint lifts off
-    old_fill,
-    overpaint,
-    stain
-};
-inline constexpr std::array<DamageClass, 8> kDamageClasses = {
-    DamageClass::loss_to_ground, DamageClass::loss_to_support,
-    DamageClass::abrasion,       DamageClass::craquelure,
-    DamageClass::flaking,        DamageClass::old_fill,
-    DamageClass::overpaint,      DamageClass::stain};
-std::string_view name_of(DamageClass damage);  // "loss_to_ground"
-std::optional<DamageClass> damage_class_named(std::string_view name);
-Rgb legend_colour_srgb(DamageClass damage);  // told apart with every colour vision (Okabe & Ito 2008)
 
 // What a layer is to the treatment.
 enum class LayerRole { fill, isolating_varnish, retouch, varnish };

@@ -7,9 +7,6 @@ namespace tangi {
 
 namespace {
 
-constexpr std::array<std::string_view, 8> kDamageNames = {
-    "loss_to_ground", "loss_to_support", "abrasion",  "craquelure",
-    "flaking",        "old_fill",        "overpaint", "stain"};
 constexpr std::array<std::string_view, 4> kRoleNames = {"fill", "isolating_varnish", "retouch", "varnish"};
 constexpr std::array<std::string_view, 5> kStateNames = {"before", "cleaned", "filled", "retouched",
                                                          "varnished"};
@@ -23,13 +20,9 @@ std::optional<Value> named(std::span<const std::string_view> names, std::string_
 
 }  // namespace
 
-std::string_view name_of(DamageClass damage) { return kDamageNames[static_cast<std::size_t>(damage)]; }
 std::string_view name_of(LayerRole role) { return kRoleNames[static_cast<std::size_t>(role)]; }
 std::string_view name_of(TreatmentState state) { return kStateNames[static_cast<std::size_t>(state)]; }
 
-std::optional<DamageClass> damage_class_named(std::string_view name) {
-    return named<DamageClass>(kDamageNames, name);
-}
 std::optional<LayerRole> layer_role_named(std::string_view name) {
     return named<LayerRole>(kRoleNames, name);
 }
@@ -48,19 +41,6 @@ TreatmentState shown_from(LayerRole role) {
             break;
     }
     return TreatmentState::varnished;
-}
-
-Rgb legend_colour_srgb(DamageClass damage) {
-    constexpr std::array<std::array<int, 3>, 8> bytes = {{{230, 159, 0},
-                                                          {213, 94, 0},
-                                                          {240, 228, 66},
-                                                          {0, 114, 178},
-                                                          {204, 121, 167},
-                                                          {0, 158, 115},
-                                                          {86, 180, 233},
-                                                          {110, 110, 110}}};
-    const auto& c = bytes[static_cast<std::size_t>(damage)];
-    return Rgb(c[0], c[1], c[2]) / 255.0f;
 }
 
 }  // namespace tangi

@@ -1,4 +1,4 @@
-// transfer_metadata.h: which transfer curve a file says that it is stored with, and how far to believe it.
+// stated_transfer.h: which transfer curve a file says that it is stored with.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "capture/photo_metadata.h"
-#include "capture/transfer_estimate.h"
+#include "surface/colour.h"
 
 namespace tangi {
 
@@ -28,11 +28,5 @@ std::optional<Transfer> transfer_of_icc(std::string_view profile);
 
 // Largest difference of what two curves make of the same stored value [1].
 double difference(const Transfer& a, const Transfer& b);
-
-// estimate_transfer(), but for photographs that all state one curve: then that one, with a warning where it
-// binds and the photographs look otherwise. Metadata that do not bind, and that the photographs contradict,
-// that contradict each other, or that cannot be used, are told in the warning and not used. Reads the headers
-// of the photographs.
-TransferEstimate decide_transfer(const Stack& stack, const Survey& survey);
 
 }  // namespace tangi
