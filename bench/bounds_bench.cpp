@@ -12,11 +12,11 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "fit/compare.h"
-#include "fit/metrics.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/relight.h"
+#include "fit/evaluate/compare.h"
+#include "surface/base/error.h"
+#include "surface/image/metrics.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 namespace {

@@ -9,13 +9,13 @@
 #include <chrono>
 #include <cstdio>
 
-#include "fit/compare.h"
-#include "fit/faithful_fit.h"
-#include "fit/fit_painting.h"
-#include "fit/metrics.h"
-#include "fit/rti.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
+#include "fit/evaluate/compare.h"
+#include "fit/exchange/ptm_hsh.h"
+#include "fit/pipeline/fit_painting.h"
+#include "fit/residual/residual_fit.h"
+#include "surface/base/error.h"
+#include "surface/image/metrics.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 namespace {

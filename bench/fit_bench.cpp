@@ -14,13 +14,14 @@
 #include <numbers>
 
 #include "datasets/generator.h"
-#include "fit/height.h"
-#include "fit/ward_batch.h"
-#include "fit/ward_fit.h"
-#include "fit/ward_kernel.h"
-#include "surface/parallel.h"
-#include "surface/ward.h"
-#include "tests/ward_samples.h"
+#include "fit/height/height.h"
+#include "fit/pixel/ward_batch.h"
+#include "fit/pixel/ward_fit.h"
+#include "fit/pixel/ward_kernel.h"
+#include "surface/base/instruction_sets.h"
+#include "surface/base/parallel.h"
+#include "surface/reflectance/ward.h"
+#include "tests/support/ward_samples.h"
 
 namespace tangi {
 namespace {
@@ -270,12 +271,12 @@ void report_batches(benchmark::State& state, const WardBatchFitter& fitter) {
 
 // Start, errors and all; an iteration is a pixel.
 void ward_batches(benchmark::State& state, const std::string& set) {
-    use_ward_instruction_set(set);
+    use_instruction_set(set);
     WardBatchFitter fitter(options());
     const int count = static_cast<int>(batches().size()) * kWardLanes;
     while (state.KeepRunningBatch(count)) fit_batches(fitter);
     report_batches(state, fitter);
-    use_ward_instruction_set("");
+    use_instruction_set("");
 }
 
 // Both threads fit all batches; an iteration is a pixel. By the clock: on two idle cores it takes half of
@@ -355,7 +356,7 @@ public:
             if (a != time_.end() && b != time_.end())
                 std::printf("ratio %s / %s = %.2f\n", what, to, a->second / b->second);
         };
-        const std::string best = "ward_batches/" + ward_instruction_sets().front();
+        const std::string best = "ward_batches/" + instruction_sets().front();
         for (const char* what :
              {"ceres_problem_autodiff", "tiny_solver_autodiff", "tiny_solver_analytic", "ward_fitter"})
             ratio(what, best.c_str());
@@ -371,7 +372,7 @@ private:
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-    for (const std::string& set : tangi::ward_instruction_sets())
+    for (const std::string& set : tangi::instruction_sets())
         benchmark::RegisterBenchmark(("ward_batches/" + set).c_str(), tangi::ward_batches, set)
             ->Unit(benchmark::kMicrosecond);
     tangi::RatioReporter reporter;

@@ -6,8 +6,8 @@
 #include <ctime>
 #include <exception>
 
-#include "fit/height.h"
-#include "surface/painting_file.h"
+#include "fit/height/height.h"
+#include "surface/painting_file/painting_file.h"
 
 int main(int argc, char** argv) try {
     if (argc != 2) {

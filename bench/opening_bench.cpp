@@ -5,13 +5,13 @@
 #include <chrono>
 #include <cstdio>
 
-#include "paint/canvas_file.h"
-#include "surface/error.h"
-#include "surface/overview.h"
-#include "viewer/gl/headless.h"
-#include "viewer/painter.h"
-#include "viewer/renderer.h"
-#include "viewer/view.h"
+#include "paint/files/canvas_file.h"
+#include "surface/base/error.h"
+#include "surface/painting_file/overview.h"
+#include "viewer/model/painter.h"
+#include "viewer/render/headless.h"
+#include "viewer/render/renderer.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "paint/kubelka_munk.h"
-#include "paint/palette.h"
+#include "paint/optics/kubelka_munk.h"
+#include "paint/optics/palette.h"
 
 namespace {
 

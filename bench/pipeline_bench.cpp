@@ -10,7 +10,7 @@
 #include <mutex>
 #include <string>
 
-#include "fit/fit_painting.h"
+#include "fit/pipeline/fit_painting.h"
 
 namespace {
 

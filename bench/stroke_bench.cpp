@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "bench/cpu_clock.h"
-#include "paint/appearance.h"
-#include "paint/history.h"
-#include "paint/palette.h"
-#include "paint/stroke.h"
-#include "paint/substrate.h"
-#include "surface/parallel.h"
+#include "paint/canvas/appearance.h"
+#include "paint/optics/palette.h"
+#include "paint/session/history.h"
+#include "paint/stroke/stroke.h"
+#include "paint/substrate/substrate.h"
+#include "surface/base/parallel.h"
 
 namespace {
 

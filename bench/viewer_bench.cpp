@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <optional>
 
-#include "surface/error.h"
-#include "viewer/gl/headless.h"
-#include "viewer/renderer.h"
-#include "viewer/view.h"
+#include "surface/base/error.h"
+#include "viewer/render/headless.h"
+#include "viewer/render/renderer.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

@@ -10,11 +10,11 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
-#include "capture/raw_file.h"
+#include "capture/photo/raw_file.h"
 #include "cli/command.h"
-#include "paint/retouch/treatment_folder.h"
-#include "surface/blanks.h"
-#include "surface/error.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "surface/base/blanks.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

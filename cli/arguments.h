@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/usable_stack.h"
+#include "capture/stack/open_screened.h"
 #include "cli/flags.h"
-#include "paint/spectrum.h"
+#include "paint/optics/spectrum.h"
 
 namespace tangi {
 
@@ -32,8 +32,8 @@ struct PhotosArguments {
     DevelopArguments develop;
 
     void add_to(Flags& flags, bool for_fit);
-    // Without photographs that cannot be used (capture/usable_stack.h). Throws Error for what is wrong with
-    // the folder, UsageError for what is wrong with the flags.
+    // Without photographs that cannot be used (capture/stack/open_screened.h). Throws Error for what is wrong
+    // with the folder, UsageError for what is wrong with the flags.
     UsableStack open() const;
     // The same, however many cannot be used.
     Stack open_any() const;

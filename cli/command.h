@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "surface/progress.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 
@@ -33,7 +33,7 @@ struct Command {
     const char* name;
     const char* summary;
     std::function<std::function<nlohmann::json()>(Flags& flags)> set_up;
-    // Lines for a person at a terminal, of a result; null where the JSON is short (cli/result_words.h).
+    // Lines for a person at a terminal, of a result; null where the JSON is short (cli/result_summary.h).
     std::vector<std::string> (*in_words)(const nlohmann::json& result) = nullptr;
 };
 

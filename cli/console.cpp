@@ -15,7 +15,7 @@
 
 #include "cli/command.h"
 #include "cli/message_length.h"
-#include "surface/json_text.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

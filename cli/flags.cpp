@@ -6,7 +6,7 @@
 #include <CLI/Validators.hpp>
 #include <cstdint>
 
-#include "surface/typed_number.h"
+#include "surface/base/typed_number.h"
 
 namespace tangi {
 

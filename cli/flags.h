@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "surface/options.h"
+#include "surface/base/options.h"
 
 namespace CLI {
 class App;

@@ -19,13 +19,13 @@
 
 #include "cli/command.h"
 #include "cli/message_length.h"
-#include "surface/error.h"
-#include "surface/file_name.h"
-#include "surface/json_text.h"
-#include "surface/memory_error.h"
-#include "surface/output_set.h"
-#include "surface/parallel.h"
-#include "surface/stale_temporaries.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/base/memory_error.h"
+#include "surface/base/parallel.h"
+#include "surface/file/file_name.h"
+#include "surface/file/output_set.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// result_words.h: what a person at a terminal is told after a result's JSON, which is too long to be read
+// result_summary.h: what a person at a terminal is told after a result's JSON, which is too long to be read
 // there.
 #pragma once
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi::procedural {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/noise.h"
+#include "surface/base/noise.h"
+#include "surface/image/image.h"
 
 namespace tangi::procedural {
 

@@ -4,16 +4,16 @@
 #include <array>
 #include <vector>
 
-#include "capture/lights_file.h"
+#include "capture/formats/lights_file.h"
 #include "datasets/ggx.h"
-#include "surface/anisotropy.h"
-#include "surface/atomic_file.h"
-#include "surface/noise.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
-#include "surface/photography_json.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
+#include "surface/base/noise.h"
+#include "surface/base/parallel.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/photography_json.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/reflectance/anisotropy.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 
@@ -113,7 +113,8 @@ Vec3 disturbed(const Vec3& direction, double rms_deg, Seed seed) {
     return glm::normalize(turned);
 }
 
-// The GGX lobe seen from straight ahead where it is drawn out, in the frame of surface/anisotropy.h.
+// The GGX lobe seen from straight ahead where it is drawn out, in the frame of
+// surface/reflectance/anisotropy.h.
 float drawn_out_lobe(float f0, float alpha, const LobeAxes& axes, const Vec3& n, const Vec3& light) {
     const Vec3 v(0, 0, 1), h = glm::normalize(light + v);
     if (!(glm::dot(n, light) > 0)) return 0;

@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "datasets/procedural_painting.h"
-#include "surface/colour.h"
-#include "surface/light.h"
+#include "surface/image/colour.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 
@@ -25,9 +25,9 @@ enum class Arrangement {
 enum class Reflectance {
     ggx,  // f = rho_d / pi + GGX lobe (ggx.h), F0 = specular. rho_d is not reduced by the lobe's share: it
           // is the albedo that a photograph without highlights shows
-    ward_bounded,  // f = rho_d / pi + rho_s * bounded Ward lobe (surface/ward.h), rho_s = specular: what the
-                   // fit assumes
-    lambert,       // f = rho_d / pi
+    ward_bounded,  // f = rho_d / pi + rho_s * bounded Ward lobe (surface/reflectance/ward.h), rho_s =
+                   // specular: what the fit assumes
+    lambert,  // f = rho_d / pi
 };
 enum class PhotoFormat { png16, png8, jpg, exr, tif };
 

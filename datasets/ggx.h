@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -2,8 +2,8 @@
 
 #include "datasets/composition.h"
 #include "datasets/damage.h"
-#include "surface/anisotropy.h"
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
+#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 

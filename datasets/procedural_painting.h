@@ -8,9 +8,9 @@
 
 #include <cstdint>
 
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

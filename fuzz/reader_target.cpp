@@ -1,10 +1,10 @@
-// reader_target.cpp: a kind of file, by its name in tests/file_kinds.h (TP_FUZZ_KIND in the environment), as
-// libFuzzer makes it: it is read, or there is an Error. Anything else that is thrown ends the target, as what
-// the sanitizers find does.
+// reader_target.cpp: a kind of file, by its name in tests/support/file_kinds.h (TP_FUZZ_KIND in the
+// environment), as libFuzzer makes it: it is read, or there is an Error. Anything else that is thrown ends
+// the target, as what the sanitizers find does.
 #include <cstdio>
 #include <cstdlib>
 
-#include "tests/file_kinds.h"
+#include "tests/support/file_kinds.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // write_corpus.cpp: a whole file of every kind into FOLDER/KIND/, from where the targets begin.
-#include "tests/file_kinds.h"
+#include "tests/support/file_kinds.h"
 
 int main(int argc, char** argv) {
     using namespace tangi;

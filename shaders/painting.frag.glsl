@@ -1,8 +1,8 @@
 // painting.frag.glsl: what a painting looks like under its lights, or one of its maps. Values as relight() in
-// surface/relight.h:
+// surface/render/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
-//           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/diffuse.h
-// MODE: as LookMode in viewer/look.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
+//           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/reflectance/oren_nayar.h
+// MODE: as LookMode in viewer/render/view_mode.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
 // monitor's own colours; linear values are clipped and encoded by the device where the target is sRGB.
 // GREY: 1 where the exposure is the same for all colours, and mixes none. BARE: 1 for the background alone.
 
@@ -10,7 +10,7 @@ out vec4 o_colour;
 STRAIGHT in vec3 v_place;
 
 #if OUTPUT == 2
-uniform sampler3D u_monitor;  // MonitorTable in viewer/monitor.h
+uniform sampler3D u_monitor;  // MonitorTable in viewer/render/display_profile.h
 
 vec3 on_monitor(vec3 colour) {
     float side = float(textureSize(u_monitor, 0).x);

@@ -1,6 +1,6 @@
-// surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/texels.h describes, in square tiles:
+// surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/render/texels.h describes, in square tiles:
 // those that are seen, of any level of detail, are the layers of an array texture; a table says which. AT_HOME: 1 where
-// those of the picture's own level lie where column and row say (viewer/tile_cache.h), which spares each pixel the table.
+// those of the picture's own level lie where column and row say (viewer/render/tile_cache.h), which spares each pixel the table.
 // COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits; DRAWN_OUT: 1 where they
 // are drawn out as well, for which everything has.
 
@@ -17,7 +17,7 @@ struct Material {
     vec3 lobe_colour;  // [1]
 #endif
 #if DRAWN_OUT == 1
-    vec2 stretch;  // [1] surface/anisotropy.h
+    vec2 stretch;  // [1] surface/reflectance/anisotropy.h
 #endif
 };
 

@@ -1,4 +1,4 @@
-#include "capture/calibration_page.h"
+#include "capture/calibration/calibration_page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,17 +6,17 @@
 #include <map>
 #include <numbers>
 
-#include "capture/capture_file.h"
-#include "capture/lights_file.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/html_text.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/median.h"
-#include "surface/output_set.h"
-#include "surface/page_parts.h"
-#include "surface/picture_file.h"
+#include "capture/formats/capture_file.h"
+#include "capture/formats/lights_file.h"
+#include "surface/base/error.h"
+#include "surface/base/html_escape.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/base/median.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/output_set.h"
+#include "surface/image_file/image_io.h"
+#include "surface/report/html_report.h"
 
 namespace tangi {
 

@@ -4,10 +4,10 @@
 
 #include <filesystem>
 
-#include "capture/ball_calibration.h"
-#include "capture/capture_file.h"
-#include "capture/colour_calibration.h"
-#include "capture/plane_calibration.h"
+#include "capture/calibration/plane_calibration.h"
+#include "capture/colour_chart/colour_calibration.h"
+#include "capture/formats/capture_file.h"
+#include "capture/sphere_lights/ball_calibration.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/plane_calibration.h"
+#include "capture/calibration/plane_calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,12 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "capture/marked_photo.h"
-#include "capture/plane_pose.h"
-#include "capture/scale_agreement.h"
-#include "surface/error.h"
-#include "surface/homography.h"
-#include "surface/photography_json.h"
+#include "capture/geometry/best_marker_photo.h"
+#include "capture/geometry/plane_pose.h"
+#include "capture/geometry/scale_agreement.h"
+#include "surface/base/error.h"
+#include "surface/image/homography.h"
+#include "surface/maps/photography_json.h"
 
 namespace tangi {
 

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "capture/colour_calibration.h"
-#include "capture/earlier_painting.h"
-#include "capture/markers.h"
-#include "capture/picture_geometry.h"
-#include "surface/progress.h"
+#include "capture/colour_chart/colour_calibration.h"
+#include "capture/formats/picture_geometry.h"
+#include "capture/geometry/align_to_reference.h"
+#include "capture/geometry/markers.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

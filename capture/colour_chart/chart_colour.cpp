@@ -1,13 +1,13 @@
 // chart_colour.cpp: the matrix by CIEDE2000, and its errors.
-#include "capture/chart_colour.h"
+#include "capture/colour_chart/chart_colour.h"
 
 #include <ceres/ceres.h>
 
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "surface/error.h"
-#include "surface/median.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

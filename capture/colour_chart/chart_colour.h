@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/chart_light.h"
+#include "capture/colour_chart/chart_light.h"
 
 namespace tangi {
 

@@ -1,6 +1,6 @@
 // chart_colour_json.cpp: what was found of the chart and its colours, as JSON (docs/capture.md).
-#include "capture/chart_colour.h"
-#include "surface/photography_json.h"
+#include "capture/colour_chart/chart_colour.h"
+#include "surface/maps/photography_json.h"
 
 namespace tangi {
 

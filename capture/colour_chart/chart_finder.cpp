@@ -2,9 +2,9 @@
 #include <glm/matrix.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/chart_order.h"
-#include "capture/patch_grid.h"
-#include "surface/median.h"
+#include "capture/colour_chart/chart_order.h"
+#include "capture/colour_chart/patch_grid.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
 // chart_light.cpp: the joint fit of light fields and the camera's matrix.
-#include "capture/chart_light.h"
+#include "capture/colour_chart/chart_light.h"
 
 #include <ceres/ceres.h>
 
 #include <glm/matrix.hpp>
 
-#include "capture/chart_order.h"
-#include "surface/error.h"
-#include "surface/median.h"
+#include "capture/colour_chart/chart_order.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -11,7 +11,7 @@
 #include <glm/mat3x3.hpp>
 #include <span>
 
-#include "capture/colour_chart.h"
+#include "capture/colour_chart/colour_chart.h"
 
 namespace tangi {
 

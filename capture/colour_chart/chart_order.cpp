@@ -1,10 +1,10 @@
-#include "capture/chart_order.h"
+#include "capture/colour_chart/chart_order.h"
 
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "surface/error.h"
-#include "surface/median.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

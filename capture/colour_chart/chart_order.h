@@ -2,7 +2,7 @@
 // the light.
 #pragma once
 
-#include "capture/colour_chart.h"
+#include "capture/colour_chart/colour_chart.h"
 
 namespace tangi {
 

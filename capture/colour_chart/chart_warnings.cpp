@@ -1,7 +1,7 @@
 // chart_warnings.cpp: what is worst in the photographs of a chart, and what the user is to know of its
 // readings.
-#include "capture/chart_colour.h"
-#include "surface/error.h"
+#include "capture/colour_chart/chart_colour.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "capture/colour_calibration.h"
+#include "capture/colour_chart/colour_calibration.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include "capture/stated_transfer.h"
-#include "surface/error.h"
-#include "surface/html_text.h"
-#include "surface/picture_file.h"
+#include "capture/photo/stated_transfer.h"
+#include "surface/base/error.h"
+#include "surface/base/html_escape.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "capture/chart_colour.h"
-#include "capture/colour_tolerance.h"
-#include "capture/photo_set.h"
-#include "capture/white_balances.h"
-#include "surface/colour.h"
-#include "surface/progress.h"
+#include "capture/colour_chart/chart_colour.h"
+#include "capture/colour_chart/colour_tolerance.h"
+#include "capture/radiometry/white_balances.h"
+#include "capture/stack/photo_set.h"
+#include "surface/base/progress.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

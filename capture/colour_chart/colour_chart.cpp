@@ -1,5 +1,5 @@
 // colour_chart.cpp: the geometry of the chart, and reading its patches.
-#include "capture/colour_chart.h"
+#include "capture/colour_chart/colour_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
-#include "capture/chart_order.h"
-#include "surface/error.h"
-#include "surface/median.h"
+#include "capture/colour_chart/chart_order.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

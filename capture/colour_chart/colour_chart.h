@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "capture/chart_reference.h"
-#include "capture/scale.h"
-#include "surface/homography.h"
-#include "surface/image.h"
-#include "surface/options.h"
+#include "capture/formats/chart_reference.h"
+#include "capture/geometry/scale.h"
+#include "surface/base/options.h"
+#include "surface/image/homography.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // colour_tolerance.cpp: tables of limits, and which are kept.
-#include "capture/colour_tolerance.h"
+#include "capture/colour_chart/colour_tolerance.h"
 
 namespace tangi {
 

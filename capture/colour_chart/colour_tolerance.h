@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/chart_colour.h"
+#include "capture/colour_chart/chart_colour.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // flat_patches.cpp: regions between edges, by the range of values around each pixel.
-#include "capture/flat_patches.h"
+#include "capture/colour_chart/flat_patches.h"
 
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>

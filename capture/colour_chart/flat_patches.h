@@ -4,7 +4,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // patch_grid.cpp: growth of grids from cell to cell.
-#include "capture/patch_grid.h"
+#include "capture/colour_chart/patch_grid.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "capture/chart_order.h"
+#include "capture/colour_chart/chart_order.h"
 
 namespace tangi {
 

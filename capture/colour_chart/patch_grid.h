@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "capture/flat_patches.h"
-#include "surface/homography.h"
+#include "capture/colour_chart/flat_patches.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/chart_reference.h"
-#include "surface/colour.h"
-#include "surface/homography.h"
+#include "capture/formats/chart_reference.h"
+#include "surface/image/colour.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/capture_file.h"
+#include "capture/formats/capture_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
-#include "capture/json_field.h"
-#include "capture/lights_file.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/median.h"
-#include "surface/picture_file.h"
+#include "capture/formats/json_field.h"
+#include "capture/formats/lights_file.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/base/median.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "capture/capture_colour.h"
-#include "capture/picture_geometry.h"
-#include "surface/image.h"
-#include "surface/light.h"
+#include "capture/formats/capture_colour.h"
+#include "capture/formats/picture_geometry.h"
+#include "surface/image/image.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

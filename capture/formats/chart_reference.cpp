@@ -1,5 +1,5 @@
 // chart_reference.cpp: the classic values, and files with others.
-#include "capture/chart_reference.h"
+#include "capture/formats/chart_reference.h"
 
 #include <charconv>
 #include <filesystem>
@@ -8,11 +8,11 @@
 #include <sstream>
 #include <vector>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/picture_file.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

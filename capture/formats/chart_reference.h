@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "surface/colour.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

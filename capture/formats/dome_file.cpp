@@ -1,10 +1,10 @@
-#include "capture/dome_file.h"
+#include "capture/formats/dome_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/atomic_file.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/json_field.h"
-#include "surface/light.h"
+#include "capture/formats/json_field.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

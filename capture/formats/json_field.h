@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // lens_file.cpp: through OpenCV's camera model.
-#include "capture/lens_file.h"
+#include "capture/formats/lens_file.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/storage_text.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
+#include "capture/formats/storage_text.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

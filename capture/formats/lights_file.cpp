@@ -1,4 +1,4 @@
-#include "capture/lights_file.h"
+#include "capture/formats/lights_file.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,10 +8,10 @@
 #include <map>
 #include <optional>
 
-#include "capture/lights_text.h"
-#include "surface/atomic_file.h"
-#include "surface/blanks.h"
-#include "surface/error.h"
+#include "capture/formats/lights_text.h"
+#include "surface/base/blanks.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

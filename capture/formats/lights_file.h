@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/left_out.h"
-#include "surface/light.h"
+#include "capture/photo/rejected_photo.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/lights_text.h"
+#include "capture/formats/lights_text.h"
 
 #include <utf8proc.h>
 
@@ -8,10 +8,10 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
-#include "capture/photo_file.h"
-#include "capture/photo_names.h"
-#include "surface/blanks.h"
-#include "surface/error.h"
+#include "capture/photo/photo_file.h"
+#include "capture/photo/photo_names.h"
+#include "surface/base/blanks.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "surface/light.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "capture/picture_geometry.h"
+#include "capture/formats/picture_geometry.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "surface/error.h"
-#include "surface/photography_json.h"
+#include "surface/base/error.h"
+#include "surface/maps/photography_json.h"
 
 namespace tangi {
 

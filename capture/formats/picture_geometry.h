@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "capture/lens_file.h"
-#include "surface/homography.h"
+#include "capture/formats/lens_file.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

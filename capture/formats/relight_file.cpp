@@ -1,11 +1,11 @@
-#include "capture/relight_file.h"
+#include "capture/formats/relight_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "capture/dome_file.h"
-#include "surface/atomic_file.h"
+#include "capture/formats/dome_file.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

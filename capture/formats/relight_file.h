@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/light.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

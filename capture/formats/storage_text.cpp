@@ -1,12 +1,12 @@
-#include "capture/storage_text.h"
+#include "capture/formats/storage_text.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-#include "surface/blanks.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "surface/base/blanks.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

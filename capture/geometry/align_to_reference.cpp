@@ -1,13 +1,13 @@
-#include "capture/earlier_painting.h"
+#include "capture/geometry/align_to_reference.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/matrix.h"
-#include "capture/motion.h"
-#include "capture/registration.h"
-#include "surface/error.h"
+#include "capture/registration/motion.h"
+#include "capture/registration/registration.h"
+#include "surface/base/error.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 

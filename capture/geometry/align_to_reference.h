@@ -1,12 +1,13 @@
-// earlier_painting.h: photographs laid onto a painting that was fitted before, such as before its treatment.
+// align_to_reference.h: photographs laid onto a painting that was fitted before, such as before its
+// treatment.
 #pragma once
 
 #include <optional>
 
-#include "capture/lens_file.h"
-#include "capture/photo_set.h"
-#include "capture/scale.h"
-#include "surface/surface.h"
+#include "capture/formats/lens_file.h"
+#include "capture/geometry/scale.h"
+#include "capture/stack/photo_set.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,6 +1,6 @@
-#include "capture/marked_photo.h"
+#include "capture/geometry/best_marker_photo.h"
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

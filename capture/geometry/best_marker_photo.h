@@ -1,10 +1,10 @@
-// marked_photo.h: the photograph of a stack that shows its ArUco markers best.
+// best_marker_photo.h: the photograph of a stack that shows its ArUco markers best.
 #pragma once
 
 #include <cstddef>
 
-#include "capture/markers.h"
-#include "capture/photo_set.h"
+#include "capture/geometry/markers.h"
+#include "capture/stack/photo_set.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // markers.cpp: detection through OpenCV's aruco module, and the bundle adjustment of a plane of squares.
-#include "capture/markers.h"
+#include "capture/geometry/markers.h"
 
 #include <ceres/ceres.h>
 
@@ -9,10 +9,10 @@
 #include <opencv2/aruco.hpp>
 #include <set>
 
-#include "surface/colour.h"
-#include "surface/error.h"
-#include "surface/homography.h"
-#include "surface/median.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/image/colour.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "capture/scale.h"
+#include "capture/geometry/scale.h"
 
 namespace tangi {
 

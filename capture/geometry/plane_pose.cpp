@@ -1,4 +1,4 @@
-#include "capture/plane_pose.h"
+#include "capture/geometry/plane_pose.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "surface/homography.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
 // scale.cpp: scales from lengths, and rectification.
-#include "capture/scale.h"
+#include "capture/geometry/scale.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "surface/error.h"
-#include "surface/homography.h"
-#include "surface/photography_json.h"
+#include "surface/base/error.h"
+#include "surface/image/homography.h"
+#include "surface/maps/photography_json.h"
 
 namespace tangi {
 

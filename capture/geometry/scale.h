@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/homography.h"
-#include "surface/image.h"
+#include "surface/image/homography.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

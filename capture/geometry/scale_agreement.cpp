@@ -1,12 +1,12 @@
-#include "capture/scale_agreement.h"
+#include "capture/geometry/scale_agreement.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "capture/plane_pose.h"
-#include "surface/error.h"
-#include "surface/homography.h"
+#include "capture/geometry/plane_pose.h"
+#include "surface/base/error.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

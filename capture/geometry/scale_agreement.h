@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/scale.h"
+#include "capture/geometry/scale.h"
 
 namespace tangi {
 

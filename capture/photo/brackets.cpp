@@ -1,17 +1,17 @@
-#include "capture/brackets.h"
+#include "capture/photo/brackets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "capture/photo_folder.h"
-#include "capture/photo_metadata.h"
-#include "capture/photo_names.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/letter_case.h"
+#include "capture/photo/photo_folder.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/photo/photo_names.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/development.h"
+#include "capture/photo/development.h"
 
 namespace tangi {
 

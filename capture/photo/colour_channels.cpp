@@ -1,11 +1,11 @@
-#include "capture/colour_channels.h"
+#include "capture/photo/colour_channels.h"
 
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "surface/json_text.h"
-#include "surface/letter_case.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/scratch_file.h"
-#include "surface/colour.h"
+#include "surface/file/scratch_file.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "capture/exposure_merge.h"
+#include "capture/photo/exposure_merge.h"
 
 #include <cmath>
 #include <limits>
 
-#include "surface/error.h"
-#include "surface/median.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

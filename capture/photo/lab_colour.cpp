@@ -1,4 +1,4 @@
-#include "capture/lab_colour.h"
+#include "capture/photo/lab_colour.h"
 
 #include <cmath>
 #include <cstddef>

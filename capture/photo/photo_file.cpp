@@ -1,4 +1,4 @@
-#include "capture/photo_file.h"
+#include "capture/photo/photo_file.h"
 
 #include <unistd.h>
 
@@ -12,16 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "capture/colour_channels.h"
-#include "capture/lab_colour.h"
-#include "capture/left_out.h"
-#include "capture/photo_metadata.h"
-#include "capture/raw_file.h"
-#include "capture/stated_transfer.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "surface/picture_rows.h"
-#include "surface/tiff_pages.h"
+#include "capture/photo/colour_channels.h"
+#include "capture/photo/lab_colour.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/photo/raw_file.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/photo/stated_transfer.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_rows.h"
+#include "surface/image_file/tiff_pages.h"
 
 namespace tangi {
 

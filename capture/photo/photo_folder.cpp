@@ -1,15 +1,15 @@
-#include "capture/photo_folder.h"
+#include "capture/photo/photo_folder.h"
 
 #include <algorithm>
 #include <iterator>
 #include <string>
 #include <system_error>
 
-#include "capture/photo_file.h"
-#include "capture/photo_names.h"
-#include "surface/error.h"
-#include "surface/file_name.h"
-#include "surface/visible_files.h"
+#include "capture/photo/photo_file.h"
+#include "capture/photo/photo_names.h"
+#include "surface/base/error.h"
+#include "surface/file/file_name.h"
+#include "surface/file/visible_files.h"
 
 namespace tangi {
 

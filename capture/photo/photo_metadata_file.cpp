@@ -7,13 +7,13 @@
 #include <fstream>
 #include <memory>
 
-#include "capture/photo_metadata.h"
-#include "capture/raw_file.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "surface/png_chunks.h"
-#include "surface/safe_picture.h"
-#include "surface/tiff_pages.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/photo/raw_file.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/png_check.h"
+#include "surface/image_file/safe_picture.h"
+#include "surface/image_file/tiff_pages.h"
 
 namespace tangi {
 

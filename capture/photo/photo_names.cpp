@@ -1,13 +1,13 @@
-#include "capture/photo_names.h"
+#include "capture/photo/photo_names.h"
 
 #include <utf8proc.h>
 
 #include <algorithm>
 #include <cstdlib>
 
-#include "capture/raw_file.h"
-#include "surface/letter_case.h"
-#include "surface/picture_file.h"
+#include "capture/photo/raw_file.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/raw_file.h"
+#include "capture/photo/raw_file.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <memory>
 
-#include "capture/left_out.h"
-#include "surface/error.h"
-#include "surface/memory_budget.h"
-#include "surface/picture_file.h"
-#include "surface/picture_header.h"
-#include "surface/safe_picture.h"
+#include "capture/photo/rejected_photo.h"
+#include "surface/base/error.h"
+#include "surface/image/memory_budget.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_header.h"
+#include "surface/image_file/safe_picture.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/left_out.h"
+#include "capture/photo/rejected_photo.h"
 
 namespace tangi {
 

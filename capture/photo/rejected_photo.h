@@ -1,4 +1,4 @@
-// left_out.h: photographs that a stack goes on without, and how many of them it may lose.
+// rejected_photo.h: photographs that a stack goes on without, and how many of them it may lose.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

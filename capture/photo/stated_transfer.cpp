@@ -1,4 +1,4 @@
-#include "capture/stated_transfer.h"
+#include "capture/photo/stated_transfer.h"
 
 #include <lcms2.h>
 

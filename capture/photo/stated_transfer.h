@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "capture/photo_metadata.h"
-#include "surface/colour.h"
+#include "capture/photo/photo_metadata.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/colour_line.h"
+#include "capture/radiometry/colour_line.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "surface/median.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/colour_saturation.h"
+#include "capture/radiometry/colour_saturation.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "capture/stack_calibration.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/stack/stack_calibration.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/white_balances.h"
+#include "capture/radiometry/white_balances.h"
 
 namespace tangi {
 

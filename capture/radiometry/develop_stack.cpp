@@ -1,21 +1,21 @@
-#include "capture/develop_stack.h"
+#include "capture/radiometry/develop_stack.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
-#include "capture/exposure_merge.h"
-#include "capture/full_scale.h"
-#include "capture/photo_metadata.h"
-#include "capture/photo_source.h"
-#include "capture/raw_file.h"
-#include "capture/survey.h"
-#include "capture/transfer_decision.h"
-#include "capture/unusable_photos.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/photo/exposure_merge.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/photo/raw_file.h"
+#include "capture/radiometry/full_scale.h"
+#include "capture/radiometry/transfer_decision.h"
+#include "capture/stack/photo_screening.h"
+#include "capture/stack/photo_source.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "capture/frames.h"
-#include "capture/stack.h"
-#include "capture/transfer_estimate.h"
-#include "surface/progress.h"
+#include "capture/radiometry/frames.h"
+#include "capture/radiometry/transfer_estimate.h"
+#include "capture/stack/stack.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/equal_strength.h"
+#include "capture/radiometry/equal_intensity.h"
 
 #include <ceres/ceres.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "capture/frames.h"
+#include "capture/radiometry/frames.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "capture/photo_file.h"
-#include "capture/survey.h"
-#include "surface/error.h"
-#include "surface/visible_files.h"
+#include "capture/photo/photo_file.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
+#include "surface/file/visible_files.h"
 
 namespace tangi {
 

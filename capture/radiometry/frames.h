@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/development.h"
-#include "capture/photo_file.h"
+#include "capture/photo/development.h"
+#include "capture/photo/photo_file.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/full_scale.h"
+#include "capture/radiometry/full_scale.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "capture/transfer_estimate.h"
-#include "capture/transfer_evidence.h"
+#include "capture/radiometry/transfer_estimate.h"
+#include "capture/radiometry/transfer_evidence.h"
 
 namespace tangi {
 

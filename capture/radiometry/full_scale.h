@@ -6,7 +6,7 @@
 
 #include <span>
 
-#include "capture/survey.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

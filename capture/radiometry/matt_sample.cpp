@@ -1,4 +1,4 @@
-#include "capture/matt_sample.h"
+#include "capture/radiometry/matt_sample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "capture/photometric_stereo.h"
-#include "capture/survey.h"
+#include "capture/radiometry/photometric_stereo.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/photometric_stereo.h"
+#include "capture/radiometry/photometric_stereo.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 // fit.
 #pragma once
 
-#include "capture/pixel_samples.h"
-#include "surface/options.h"
+#include "capture/stack/pixel_samples.h"
+#include "surface/base/options.h"
 
 namespace tangi {
 

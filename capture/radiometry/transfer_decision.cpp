@@ -1,13 +1,13 @@
-#include "capture/transfer_decision.h"
+#include "capture/radiometry/transfer_decision.h"
 
 #include <fmt/format.h>
 
 #include <optional>
 #include <string>
 
-#include "capture/photo_profiles.h"
-#include "capture/stated_transfer.h"
-#include "surface/error.h"
+#include "capture/photo/stated_transfer.h"
+#include "capture/stack/photo_profiles.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

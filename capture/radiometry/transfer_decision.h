@@ -2,7 +2,7 @@
 // like.
 #pragma once
 
-#include "capture/transfer_estimate.h"
+#include "capture/radiometry/transfer_estimate.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/transfer_estimate.h"
+#include "capture/radiometry/transfer_estimate.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "capture/transfer_evidence.h"
+#include "capture/radiometry/transfer_evidence.h"
 
 namespace tangi {
 

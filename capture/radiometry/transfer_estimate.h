@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/survey.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "capture/transfer_evidence.h"
+#include "capture/radiometry/transfer_evidence.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/light.h"
-#include "surface/median.h"
+#include "surface/base/median.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -11,8 +11,8 @@
 
 #include <vector>
 
-#include "capture/matt_sample.h"
-#include "capture/stack.h"
+#include "capture/radiometry/matt_sample.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

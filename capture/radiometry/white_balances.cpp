@@ -1,4 +1,4 @@
-#include "capture/white_balances.h"
+#include "capture/radiometry/white_balances.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 #include <numeric>
 #include <utility>
 
-#include "capture/colour_line.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/radiometry/colour_line.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

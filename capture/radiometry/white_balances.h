@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/survey.h"
-#include "surface/colour.h"
+#include "capture/stack/survey.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "capture/alignment.h"
+#include "capture/registration/alignment.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "capture/local_contrast.h"
-#include "capture/motion.h"
-#include "capture/three_terms.h"
-#include "surface/image.h"
+#include "capture/registration/motion.h"
+#include "capture/registration/three_terms.h"
+#include "surface/image/image.h"
+#include "surface/image/local_contrast.h"
 
 namespace tangi {
 

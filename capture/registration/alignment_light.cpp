@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/alignment.h"
-#include "surface/median.h"
+#include "capture/registration/alignment.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
 // alignment_unexplained.cpp: what three terms of the light leave unexplained where pictures lie as they do.
 #include <cmath>
 
-#include "capture/alignment.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/registration/alignment.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

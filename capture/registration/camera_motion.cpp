@@ -1,4 +1,4 @@
-#include "capture/camera_shake.h"
+#include "capture/registration/camera_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/edge_field.h"
-#include "capture/stray_photos.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/registration/edge_field.h"
+#include "capture/stack/duplicate_photos.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// camera_shake.h: how far the camera moved from photograph to photograph, from edges that stay while the
+// camera_motion.h: how far the camera moved from photograph to photograph, from edges that stay while the
 // light moves.
 #pragma once
 
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "capture/grey_photos.h"
+#include "capture/stack/grey_photos.h"
 
 namespace tangi {
 
@@ -17,9 +17,9 @@ struct CameraShake {
     double zoom = 1;      // [1]
     double sigma_px = 0;  // standard error of each coordinate of the shift
     // [1] Correlation of this photograph's edges with those that the others agree on, and whether it must
-    // show something else: it has edges of its own, and none of theirs (capture/stray_photos.h), or no more
-    // than it has by chance where it is laid elsewhere, while the others have far more. It has no drift then,
-    // and no part in how far the others moved.
+    // show something else: it has edges of its own, and none of theirs (capture/stack/duplicate_photos.h), or
+    // no more than it has by chance where it is laid elsewhere, while the others have far more. It has no
+    // drift then, and no part in how far the others moved.
     double agreement = 1;
     bool strange = false;
 

@@ -1,4 +1,4 @@
-#include "capture/coarse_shift.h"
+#include "capture/registration/coarse_shift.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

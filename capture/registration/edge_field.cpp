@@ -1,4 +1,4 @@
-#include "capture/edge_field.h"
+#include "capture/registration/edge_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "capture/matrix.h"
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 

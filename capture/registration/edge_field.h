@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/motion.h"
+#include "capture/registration/motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "surface/homography.h"
+#include "surface/image/homography.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "capture/motion_verdict.h"
+#include "capture/registration/motion_verdict.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "capture/shared_shading.h"
-#include "capture/stray_photos.h"
-#include "surface/median.h"
+#include "capture/registration/shading_induced_motion.h"
+#include "capture/stack/duplicate_photos.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -5,8 +5,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "capture/alignment.h"
-#include "capture/registration.h"
+#include "capture/registration/alignment.h"
+#include "capture/registration/registration.h"
 
 namespace tangi {
 

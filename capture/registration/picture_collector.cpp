@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/registration.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "capture/registration/registration.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -5,9 +5,9 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/matrix.h"
-#include "capture/registration.h"
-#include "surface/error.h"
+#include "capture/registration/registration.h"
+#include "surface/base/error.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 

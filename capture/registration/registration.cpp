@@ -1,15 +1,15 @@
-#include "capture/registration.h"
+#include "capture/registration/registration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "capture/coarse_shift.h"
-#include "capture/motion_verdict.h"
-#include "capture/stack_calibration.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/registration/coarse_shift.h"
+#include "capture/registration/motion_verdict.h"
+#include "capture/stack/stack_calibration.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

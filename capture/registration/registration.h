@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/alignment.h"
-#include "capture/stack.h"
+#include "capture/registration/alignment.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/registration.h"
+#include "capture/registration/registration.h"
 
 namespace tangi {
 

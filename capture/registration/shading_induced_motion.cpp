@@ -1,11 +1,11 @@
-#include "capture/shared_shading.h"
+#include "capture/registration/shading_induced_motion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <opencv2/core.hpp>
 
-#include "surface/median.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// shared_shading.h: the part of apparent motions that goes with the light.
+// shading_induced_motion.h: the part of apparent motions that goes with the light.
 #pragma once
 
 #include <glm/vec2.hpp>

@@ -1,4 +1,4 @@
-#include "capture/sharpening.h"
+#include "capture/registration/sharpening.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "capture/survey.h"
-#include "surface/parallel.h"
+#include "capture/stack/survey.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -18,7 +18,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "capture/registration.h"
+#include "capture/registration/registration.h"
 
 namespace tangi {
 

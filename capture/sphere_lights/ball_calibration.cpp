@@ -1,4 +1,4 @@
-#include "capture/ball_calibration.h"
+#include "capture/sphere_lights/ball_calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +9,12 @@
 #include <numbers>
 #include <tuple>
 
-#include "capture/ball_lights.h"
-#include "capture/ball_outline.h"
-#include "capture/ball_sizes.h"
-#include "capture/left_out.h"
-#include "surface/error.h"
-#include "surface/median.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/sphere_lights/ball_lights.h"
+#include "capture/spheres/ball_outline.h"
+#include "capture/spheres/ball_sizes.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -3,11 +3,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/lens_file.h"
-#include "capture/light_position.h"
-#include "capture/matt_ball.h"
-#include "capture/mirror_ball.h"
-#include "surface/light.h"
+#include "capture/formats/lens_file.h"
+#include "capture/sphere_lights/diffuse_sphere.h"
+#include "capture/sphere_lights/light_position.h"
+#include "capture/spheres/mirror_sphere.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -1,7 +1,7 @@
 // ball_calibration_json.cpp: to_json(BallCalibration), the content of capture.json (docs/capture.md).
 #include <glm/geometric.hpp>
 
-#include "capture/ball_calibration.h"
+#include "capture/sphere_lights/ball_calibration.h"
 
 namespace tangi {
 

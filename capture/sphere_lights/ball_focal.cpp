@@ -1,5 +1,5 @@
 // ball_focal.cpp: see ball_focal.h.
-#include "capture/ball_focal.h"
+#include "capture/sphere_lights/ball_focal.h"
 
 #include <algorithm>
 #include <cmath>

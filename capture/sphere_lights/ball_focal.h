@@ -2,8 +2,8 @@
 // gives.
 #pragma once
 
-#include "capture/ball_calibration.h"
-#include "capture/focal_evidence.h"
+#include "capture/sphere_lights/ball_calibration.h"
+#include "capture/sphere_lights/focal_evidence.h"
 
 namespace tangi {
 

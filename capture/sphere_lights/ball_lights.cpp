@@ -1,12 +1,12 @@
 // ball_lights.cpp: see ball_lights.h.
-#include "capture/ball_lights.h"
+#include "capture/sphere_lights/ball_lights.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/error.h"
-#include "surface/median.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

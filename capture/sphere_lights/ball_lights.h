@@ -2,7 +2,7 @@
 // what.
 #pragma once
 
-#include "capture/ball_focal.h"
+#include "capture/sphere_lights/ball_focal.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/matt_ball.h"
+#include "capture/sphere_lights/diffuse_sphere.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
-#include "capture/survey.h"
-#include "surface/error.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

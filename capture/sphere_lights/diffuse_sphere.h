@@ -1,11 +1,11 @@
-// matt_ball.h: the light's direction from the shading of a matt ball.
+// diffuse_sphere.h: the light's direction from the shading of a matt ball.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "capture/mirror_ball.h"
-#include "surface/colour.h"
+#include "capture/spheres/mirror_sphere.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
 // focal_evidence.cpp: see focal_evidence.h.
-#include "capture/focal_evidence.h"
+#include "capture/sphere_lights/focal_evidence.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

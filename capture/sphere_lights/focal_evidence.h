@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/ball_geometry.h"
+#include "capture/spheres/ball_geometry.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // light_position.cpp: see light_position.h.
-#include "capture/light_position.h"
+#include "capture/sphere_lights/light_position.h"
 
 #include <ceres/ceres.h>
 
@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "capture/mirror_reflection.h"
-#include "surface/error.h"
+#include "capture/spheres/alhazen.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "capture/ball_geometry.h"
+#include "capture/spheres/ball_geometry.h"
 
 namespace tangi {
 

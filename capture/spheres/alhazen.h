@@ -1,4 +1,4 @@
-// mirror_reflection.h: the point of a mirror ball that shows a near light to the camera (Alhazen's problem).
+// alhazen.h: the point of a mirror ball that shows a near light to the camera (Alhazen's problem).
 //
 // A template, so that the same lines serve doubles and the automatic derivatives of a least-squares solver.
 #pragma once

@@ -1,13 +1,13 @@
-#include "capture/ball_candidates.h"
+#include "capture/spheres/ball_candidates.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "capture/ball_sizes.h"
-#include "capture/given_outline.h"
-#include "capture/highlight_clusters.h"
-#include "surface/error.h"
+#include "capture/spheres/ball_sizes.h"
+#include "capture/spheres/given_outline.h"
+#include "capture/spheres/highlight_clusters.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

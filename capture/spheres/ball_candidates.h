@@ -1,7 +1,7 @@
 // ball_candidates.h: circles in photographs that may be the outlines of mirror balls.
 #pragma once
 
-#include "capture/mirror_ball.h"
+#include "capture/spheres/mirror_sphere.h"
 
 namespace tangi {
 

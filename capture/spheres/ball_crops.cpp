@@ -1,9 +1,9 @@
-#include "capture/ball_crops.h"
+#include "capture/spheres/ball_crops.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

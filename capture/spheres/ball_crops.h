@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "capture/ball_geometry.h"
-#include "capture/camera_shake.h"
-#include "capture/photo_set.h"
-#include "surface/image.h"
+#include "capture/registration/camera_motion.h"
+#include "capture/spheres/ball_geometry.h"
+#include "capture/stack/photo_set.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "capture/ball_geometry.h"
+#include "capture/spheres/ball_geometry.h"
 
 #include <cmath>
 
-#include "capture/mirror_reflection.h"
-#include "surface/error.h"
+#include "capture/spheres/alhazen.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/ball_highlight.h"
+#include "capture/spheres/ball_highlight.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "capture/highlight_clusters.h"
-#include "capture/highlight_lobe.h"
-#include "capture/survey.h"
-#include "surface/error.h"
+#include "capture/spheres/highlight_clusters.h"
+#include "capture/spheres/highlight_lobe.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

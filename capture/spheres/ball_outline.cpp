@@ -1,4 +1,4 @@
-#include "capture/ball_outline.h"
+#include "capture/spheres/ball_outline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <glm/vec4.hpp>
 #include <numbers>
 
-#include "capture/outline_profiles.h"
+#include "capture/spheres/outline_profiles.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "capture/ball_crops.h"
+#include "capture/spheres/ball_crops.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "capture/ball_sizes.h"
+#include "capture/spheres/ball_sizes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

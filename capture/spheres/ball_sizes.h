@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "capture/mirror_ball.h"
+#include "capture/spheres/mirror_sphere.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "capture/given_outline.h"
+#include "capture/spheres/given_outline.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "capture/outline_profiles.h"
-#include "surface/parallel.h"
+#include "capture/spheres/outline_profiles.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

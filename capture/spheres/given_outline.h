@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "capture/ball_crops.h"
-#include "capture/ball_outline.h"
+#include "capture/spheres/ball_crops.h"
+#include "capture/spheres/ball_outline.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/highlight_clusters.h"
+#include "capture/spheres/highlight_clusters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

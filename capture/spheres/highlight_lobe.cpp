@@ -1,4 +1,4 @@
-#include "capture/highlight_lobe.h"
+#include "capture/spheres/highlight_lobe.h"
 
 #include <ceres/ceres.h>
 

@@ -1,5 +1,5 @@
 // light_plausibility.cpp: see light_plausibility.h.
-#include "capture/light_plausibility.h"
+#include "capture/spheres/light_plausibility.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "capture/edge_field.h"
-#include "surface/median.h"
+#include "capture/registration/edge_field.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

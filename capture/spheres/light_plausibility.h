@@ -6,8 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "capture/camera_shake.h"
-#include "capture/grey_photos.h"
+#include "capture/registration/camera_motion.h"
+#include "capture/stack/grey_photos.h"
 
 namespace tangi {
 

@@ -1,14 +1,14 @@
-#include "capture/mirror_ball.h"
+#include "capture/spheres/mirror_sphere.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "capture/ball_candidates.h"
-#include "capture/ball_sizes.h"
-#include "capture/given_outline.h"
-#include "capture/light_plausibility.h"
-#include "surface/error.h"
+#include "capture/spheres/ball_candidates.h"
+#include "capture/spheres/ball_sizes.h"
+#include "capture/spheres/given_outline.h"
+#include "capture/spheres/light_plausibility.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

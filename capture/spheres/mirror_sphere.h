@@ -1,4 +1,4 @@
-// mirror_ball.h: mirror balls in a stack of photographs: where they are, and where they show the lamp.
+// mirror_sphere.h: mirror balls in a stack of photographs: where they are, and where they show the lamp.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "capture/ball_highlight.h"
-#include "capture/ball_outline.h"
-#include "capture/edge_field.h"
-#include "surface/error.h"
+#include "capture/registration/edge_field.h"
+#include "capture/spheres/ball_highlight.h"
+#include "capture/spheres/ball_outline.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

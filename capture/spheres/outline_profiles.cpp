@@ -1,11 +1,11 @@
-#include "capture/outline_profiles.h"
+#include "capture/spheres/outline_profiles.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

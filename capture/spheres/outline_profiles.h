@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "capture/ball_crops.h"
+#include "capture/spheres/ball_crops.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/compression.h"
+#include "capture/stack/compression.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

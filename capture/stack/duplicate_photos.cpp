@@ -1,4 +1,4 @@
-#include "capture/stray_photos.h"
+#include "capture/stack/duplicate_photos.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "capture/stack_calibration.h"
+#include "capture/stack/stack_calibration.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// stray_photos.h: photographs that do not belong in a stack: the same picture under two names, as its survey
-// shows, and pictures of something else, as whatever lays photographs on each other finds.
+// duplicate_photos.h: photographs that do not belong in a stack: the same picture under two names, as its
+// survey shows, and pictures of something else, as whatever lays photographs on each other finds.
 #pragma once
 
 #include <vector>
 
-#include "capture/left_out.h"
-#include "capture/survey.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

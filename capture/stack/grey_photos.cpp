@@ -1,12 +1,12 @@
-#include "capture/grey_photos.h"
+#include "capture/stack/grey_photos.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "capture/photo_file.h"
-#include "capture/photo_folder.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "capture/photo/photo_file.h"
+#include "capture/photo/photo_folder.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

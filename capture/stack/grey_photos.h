@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/photo_set.h"
-#include "surface/image.h"
-#include "surface/progress.h"
+#include "capture/stack/photo_set.h"
+#include "surface/base/progress.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

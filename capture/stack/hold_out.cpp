@@ -1,8 +1,8 @@
 #include <optional>
 #include <sstream>
 
-#include "capture/stack.h"
-#include "surface/error.h"
+#include "capture/stack/stack.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-// enough_lights.cpp: whether photometric stereo has a unique answer.
+// light_sufficiency.cpp: whether photometric stereo has a unique answer.
 #include <algorithm>
 #include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
 
-#include "capture/stack.h"
-#include "surface/error.h"
+#include "capture/stack/stack.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-// usable_stack.h: a stack without the photographs that cannot be used, for who can do without some.
+// open_screened.h: a stack without the photographs that cannot be used, for who can do without some.
 #pragma once
 
-#include "capture/left_out.h"
-#include "capture/stack.h"
-#include "capture/stack_calibration.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/stack/stack.h"
+#include "capture/stack/stack_calibration.h"
 
 namespace tangi {
 

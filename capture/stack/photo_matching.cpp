@@ -1,17 +1,17 @@
-#include "capture/photo_match.h"
+#include "capture/stack/photo_matching.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <map>
 #include <utility>
 
-#include "capture/brackets.h"
-#include "capture/lights_file.h"
-#include "capture/photo_folder.h"
-#include "capture/photo_names.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
+#include "capture/formats/lights_file.h"
+#include "capture/photo/brackets.h"
+#include "capture/photo/photo_folder.h"
+#include "capture/photo/photo_names.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

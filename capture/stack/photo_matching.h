@@ -1,13 +1,13 @@
-// photo_match.h: which pictures of a folder are the photographs that a lights file means.
+// photo_matching.h: which pictures of a folder are the photographs that a lights file means.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "capture/left_out.h"
-#include "capture/stack.h"
-#include "capture/stack_calibration.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/stack/stack.h"
+#include "capture/stack/stack_calibration.h"
 
 namespace tangi {
 

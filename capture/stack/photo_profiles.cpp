@@ -1,4 +1,4 @@
-#include "capture/photo_profiles.h"
+#include "capture/stack/photo_profiles.h"
 
 #include <lcms2.h>
 
@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "capture/stack_calibration.h"
-#include "capture/survey.h"
-#include "capture/unusable_photos.h"
-#include "surface/error.h"
-#include "surface/icc_profile.h"
+#include "capture/stack/photo_screening.h"
+#include "capture/stack/stack_calibration.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
+#include "surface/image_file/icc_profile.h"
 
 namespace tangi {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "capture/photo_metadata.h"
-#include "capture/stack.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

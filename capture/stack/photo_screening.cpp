@@ -1,10 +1,10 @@
-#include "capture/unusable_photos.h"
+#include "capture/stack/photo_screening.h"
 
 #include <algorithm>
 #include <map>
 #include <tuple>
 
-#include "surface/picture_with_alpha.h"
+#include "surface/image_file/image_alpha.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
-// unusable_photos.h: which photographs cannot be read beside the others, and which picture is their mask.
+// photo_screening.h: which photographs cannot be read beside the others, and which picture is their mask.
 #pragma once
 
-#include "capture/left_out.h"
-#include "capture/stack.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 
@@ -21,7 +21,7 @@ void tell(const std::vector<LeftOut>& left_out, std::size_t first, std::vector<s
 void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out);
 
 // A mask of photographs as stored: how bright the brightest channel is, 0..1, and what of it can be seen
-// (see_through() of picture_with_alpha.h). Throws Error naming the file.
+// (see_through() of image_alpha.h). Throws Error naming the file.
 Image<float> read_photo_mask(const std::filesystem::path& path);
 
 // The one picture of photographs' size that is black and white; the others of `masks` are told in the

@@ -1,10 +1,10 @@
-#include "capture/photo_set.h"
+#include "capture/stack/photo_set.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "capture/photo_profiles.h"
-#include "surface/error.h"
+#include "capture/stack/photo_profiles.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

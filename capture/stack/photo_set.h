@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/photo_metadata.h"
-#include "capture/photo_source.h"
-#include "capture/stack.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/stack/photo_source.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

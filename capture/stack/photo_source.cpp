@@ -1,13 +1,13 @@
-#include "capture/photo_source.h"
+#include "capture/stack/photo_source.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "capture/exposure_merge.h"
-#include "capture/photo_profiles.h"
-#include "capture/survey.h"
-#include "surface/error.h"
+#include "capture/photo/exposure_merge.h"
+#include "capture/stack/photo_profiles.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

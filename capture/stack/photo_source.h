@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "capture/photo_file.h"
-#include "capture/stack.h"
+#include "capture/photo/photo_file.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/profile_colours.h"
+#include "capture/stack/profile_colours.h"
 
 #include <lcms2.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "capture/photo_profiles.h"
+#include "capture/stack/photo_profiles.h"
 
 namespace tangi {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string_view>
 
-#include "capture/capture_colour.h"
-#include "capture/stack.h"
+#include "capture/formats/capture_colour.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

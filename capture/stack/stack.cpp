@@ -1,4 +1,4 @@
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,16 +7,16 @@
 #include <numbers>
 #include <set>
 
-#include "capture/brackets.h"
-#include "capture/photo_folder.h"
-#include "capture/photo_match.h"
-#include "capture/photo_profiles.h"
-#include "capture/stack_calibration.h"
-#include "capture/unusable_photos.h"
-#include "capture/usable_stack.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "surface/picture_rows.h"
+#include "capture/photo/brackets.h"
+#include "capture/photo/photo_folder.h"
+#include "capture/stack/open_screened.h"
+#include "capture/stack/photo_matching.h"
+#include "capture/stack/photo_profiles.h"
+#include "capture/stack/photo_screening.h"
+#include "capture/stack/stack_calibration.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_rows.h"
 
 namespace tangi {
 

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "capture/capture_colour.h"
-#include "capture/development.h"
-#include "capture/photo_file.h"
-#include "capture/picture_geometry.h"
-#include "surface/colour.h"
-#include "surface/homography.h"
-#include "surface/image.h"
-#include "surface/light.h"
-#include "surface/progress.h"
+#include "capture/formats/capture_colour.h"
+#include "capture/formats/picture_geometry.h"
+#include "capture/photo/development.h"
+#include "capture/photo/photo_file.h"
+#include "surface/base/progress.h"
+#include "surface/image/colour.h"
+#include "surface/image/homography.h"
+#include "surface/image/image.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -1,16 +1,16 @@
-#include "capture/stack_calibration.h"
+#include "capture/stack/stack_calibration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "capture/dome_file.h"
-#include "capture/lights_file.h"
-#include "capture/photo_folder.h"
-#include "capture/relight_file.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "surface/visible_files.h"
+#include "capture/formats/dome_file.h"
+#include "capture/formats/lights_file.h"
+#include "capture/formats/relight_file.h"
+#include "capture/photo/photo_folder.h"
+#include "surface/base/error.h"
+#include "surface/file/visible_files.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 
@@ -97,7 +97,7 @@ void apply_lights(Stack& stack, const CaptureFile& capture) {
 // Lengths that differ by more than rounding make positions of what passes for directions.
 constexpr double kLengthsDiffer = 1.05;
 
-constexpr double kCoarse_deg = 0.5;  // of directions; two are the same within that (stray_photos.h)
+constexpr double kCoarse_deg = 0.5;  // of directions; two are the same within that (duplicate_photos.h)
 
 // [1] Half a unit of the last decimal of directions: each component is within that of what was meant.
 double rounding_of(const LightsFile& file) { return 0.5 * std::pow(10.0, -file.decimals); }

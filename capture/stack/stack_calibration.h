@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/capture_file.h"
-#include "capture/left_out.h"
-#include "capture/stack.h"
+#include "capture/formats/capture_file.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

@@ -5,11 +5,11 @@
 #include <limits>
 #include <numbers>
 
-#include "capture/photo_source.h"
-#include "capture/stack.h"
-#include "capture/survey.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "capture/stack/photo_source.h"
+#include "capture/stack/stack.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

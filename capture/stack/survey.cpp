@@ -1,4 +1,4 @@
-#include "capture/survey.h"
+#include "capture/stack/survey.h"
 
 #include <fmt/ranges.h>
 
@@ -9,10 +9,10 @@
 #include <span>
 #include <utility>
 
-#include "capture/stack_calibration.h"
-#include "capture/stray_photos.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "capture/stack/duplicate_photos.h"
+#include "capture/stack/stack_calibration.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

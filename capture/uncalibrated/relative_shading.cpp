@@ -1,11 +1,11 @@
-#include "capture/relative_shading.h"
+#include "capture/uncalibrated/relative_shading.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
-#include "surface/median.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/progress.h"
+#include "surface/base/progress.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "capture/uncalibrated.h"
+#include "capture/uncalibrated/uncalibrated.h"
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -9,10 +9,10 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "capture/equal_strength.h"
-#include "capture/relative_shading.h"
-#include "surface/error.h"
-#include "surface/median.h"
+#include "capture/radiometry/equal_intensity.h"
+#include "capture/uncalibrated/relative_shading.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

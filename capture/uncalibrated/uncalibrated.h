@@ -9,7 +9,7 @@
 // resolved by
 //   strength       the lamps are about equally strong (Hayakawa 1994), and what a flat object shows of them
 //   is
-//                  matt reflection and a lobe (equal_strength.h); that gives the matrix up to a rotation and
+//                  matt reflection and a lobe (equal_intensity.h); that gives the matrix up to a rotation and
 //                  a mirror image, and with it the relief's strength
 //   integrability  slopes are those of a surface: their curl is small (Belhumeur, Kriegman & Yuille 1999,
 //   "The
@@ -27,8 +27,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/progress.h"
+#include "surface/base/progress.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

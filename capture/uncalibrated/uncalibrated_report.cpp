@@ -1,13 +1,13 @@
-#include "capture/uncalibrated_report.h"
+#include "capture/uncalibrated/uncalibrated_report.h"
 
 #include <algorithm>
 
-#include "capture/grey_photos.h"
-#include "capture/photo_metadata.h"
-#include "capture/stated_transfer.h"
-#include "capture/survey.h"
-#include "surface/error.h"
-#include "surface/page_parts.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/photo/stated_transfer.h"
+#include "capture/stack/grey_photos.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
+#include "surface/report/html_report.h"
 
 namespace tangi {
 

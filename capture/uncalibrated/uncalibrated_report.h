@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "capture/ball_calibration.h"
-#include "capture/photo_set.h"
-#include "capture/uncalibrated.h"
-#include "surface/colour.h"
+#include "capture/sphere_lights/ball_calibration.h"
+#include "capture/stack/photo_set.h"
+#include "capture/uncalibrated/uncalibrated.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

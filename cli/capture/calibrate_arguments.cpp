@@ -1,4 +1,4 @@
-#include "cli/calibrate_arguments.h"
+#include "cli/capture/calibrate_arguments.h"
 
 #include <algorithm>
 #include <cmath>

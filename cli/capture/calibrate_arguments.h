@@ -1,9 +1,9 @@
 // calibrate_arguments.h: what tangipaint calibrate can be told, and what that means.
 #pragma once
 
-#include "capture/ball_calibration.h"
-#include "capture/colour_calibration.h"
-#include "capture/plane_calibration.h"
+#include "capture/calibration/plane_calibration.h"
+#include "capture/colour_chart/colour_calibration.h"
+#include "capture/sphere_lights/ball_calibration.h"
 #include "cli/arguments.h"
 
 namespace tangi {

@@ -2,19 +2,19 @@
 #include <climits>
 #include <glm/geometric.hpp>
 
-#include "capture/calibration_page.h"
-#include "capture/develop_stack.h"
-#include "capture/photo_profiles.h"
-#include "capture/stated_transfer.h"
-#include "capture/uncalibrated_report.h"
-#include "capture/usable_stack.h"
-#include "cli/calibrate_arguments.h"
+#include "capture/calibration/calibration_page.h"
+#include "capture/photo/stated_transfer.h"
+#include "capture/radiometry/develop_stack.h"
+#include "capture/stack/open_screened.h"
+#include "capture/stack/photo_profiles.h"
+#include "capture/uncalibrated/uncalibrated_report.h"
+#include "cli/capture/calibrate_arguments.h"
 #include "cli/command_list.h"
-#include "fit/look_over.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
+#include "fit/pipeline/preprocess.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

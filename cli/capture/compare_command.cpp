@@ -3,14 +3,14 @@
 #include <filesystem>
 
 #include "cli/arguments.h"
+#include "cli/capture/photo_source.h"
 #include "cli/command_list.h"
-#include "cli/photo_book.h"
-#include "cli/result_words.h"
-#include "fit/compare_page.h"
-#include "fit/list_order.h"
-#include "fit/look_over.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
+#include "cli/result_summary.h"
+#include "fit/evaluate/compare_page.h"
+#include "fit/light_checks/list_order.h"
+#include "fit/pipeline/preprocess.h"
+#include "surface/base/error.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

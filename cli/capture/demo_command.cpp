@@ -1,18 +1,18 @@
 // demo_command.cpp: tangipaint demo: the whole path on the embedded sample, with pictures to look at.
 #include <filesystem>
 
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "datasets/sample.h"
-#include "fit/compare_page.h"
-#include "fit/contact_sheet.h"
-#include "fit/fit_painting.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
+#include "fit/evaluate/compare_page.h"
+#include "fit/evaluate/contact_sheet.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

@@ -1,20 +1,20 @@
 // fit_command.cpp: tangipaint fit PHOTOS --out PAINTING.exr
-#include "capture/develop_stack.h"
+#include "capture/radiometry/develop_stack.h"
 #include "cli/arguments.h"
+#include "cli/capture/fit_folder.h"
 #include "cli/command_list.h"
-#include "cli/fit_folder.h"
-#include "cli/result_words.h"
-#include "fit/faithful_fit.h"
-#include "fit/fit_page.h"
-#include "fit/fit_painting.h"
-#include "fit/fit_passes.h"
-#include "surface/error.h"
-#include "surface/fit_doubts.h"
-#include "surface/output_set.h"
-#include "surface/overview.h"
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
-#include "surface/picture_file.h"
+#include "cli/result_summary.h"
+#include "fit/pipeline/fit_painting.h"
+#include "fit/pipeline/fit_passes.h"
+#include "fit/pipeline/fit_report_page.h"
+#include "fit/residual/residual_fit.h"
+#include "surface/base/error.h"
+#include "surface/file/output_set.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/fit_doubts.h"
+#include "surface/painting_file/overview.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 
@@ -60,7 +60,8 @@ constexpr double kDoubtfulOrder = 1;
 // lists of lights that belong to other photographs have 2.2 to 3.1, lists that are off by one of 20 have 1.8.
 constexpr double kHonest = 1.5, kUnexplained = 2;
 
-constexpr double kDoubtfulScatter_deg = 6;  // of lights in that order; fit/odd_lights.h says no more beyond
+constexpr double kDoubtfulScatter_deg =
+    6;  // of lights in that order; fit/light_checks/light_outliers.h says no more beyond
 
 constexpr double kSizesDiffer = 0.01;  // [1] relative, of a pixel's size as given and as measured
 

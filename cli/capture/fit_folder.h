@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "surface/progress.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

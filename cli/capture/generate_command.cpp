@@ -3,15 +3,15 @@
 #include <filesystem>
 #include <set>
 
-#include "capture/lights_file.h"
-#include "capture/photo_file.h"
+#include "capture/formats/lights_file.h"
+#include "capture/photo/photo_file.h"
 #include "cli/command_list.h"
 #include "datasets/generator.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/output_set.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/output_set.h"
 
 namespace tangi {
 

@@ -2,21 +2,21 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "capture/lights_file.h"
-#include "capture/photo_file.h"
+#include "capture/formats/lights_file.h"
+#include "capture/photo/photo_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "fit/fit_errors.h"
-#include "fit/rti_file.h"
-#include "paint/canvas_file.h"
-#include "paint/session.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "surface/height_unit.h"
-#include "surface/json_reading.h"
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
-#include "surface/picture_file.h"
+#include "fit/exchange/ptm_rti_file.h"
+#include "fit/pixel/fit_errors.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "paint/session/session.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/height_unit.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

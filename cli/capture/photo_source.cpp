@@ -1,10 +1,10 @@
-#include "cli/photo_book.h"
+#include "cli/capture/photo_source.h"
 
-#include "fit/compare_page.h"
-#include "fit/false_colour.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "fit/evaluate/compare_page.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/report/false_colour.h"
 
 namespace tangi {
 

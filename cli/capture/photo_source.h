@@ -1,13 +1,13 @@
-// photo_book.h: photographs as `compare` reads them, and as the book that the window holds against a
+// photo_source.h: photographs as `compare` reads them, and as the book that the window holds against a
 // painting.
 #pragma once
 
 #include <memory>
 
-#include "capture/develop_stack.h"
+#include "capture/radiometry/develop_stack.h"
 #include "cli/arguments.h"
-#include "surface/surface.h"
-#include "viewer/photo_book.h"
+#include "surface/maps/surface.h"
+#include "viewer/model/photo_source.h"
 
 namespace tangi {
 

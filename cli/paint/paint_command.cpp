@@ -2,18 +2,18 @@
 #include <filesystem>
 
 #include "cli/arguments.h"
+#include "cli/capture/fit_folder.h"
+#include "cli/capture/photo_source.h"
 #include "cli/command_list.h"
-#include "cli/export_painting.h"
-#include "cli/fit_folder.h"
-#include "cli/photo_book.h"
-#include "cli/substrate_arguments.h"
-#include "cli/treatment_arguments.h"
-#include "paint/canvas_file.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "viewer/settings.h"
-#include "viewer/treatment_desk.h"
-#include "viewer/window.h"
+#include "cli/paint/substrate_arguments.h"
+#include "cli/relight/export_painting.h"
+#include "cli/retouch/treatment_arguments.h"
+#include "paint/files/canvas_file.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "viewer/app/window.h"
+#include "viewer/model/user_settings.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

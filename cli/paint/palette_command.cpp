@@ -4,13 +4,13 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "paint/drawdown.h"
-#include "paint/kubelka_munk.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/output_set.h"
-#include "surface/picture_file.h"
+#include "paint/optics/drawdown_card.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/output_set.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

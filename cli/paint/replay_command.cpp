@@ -5,17 +5,17 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "cli/substrate_arguments.h"
-#include "cli/time_lapse.h"
-#include "paint/canvas_file.h"
-#include "paint/canvas_hash.h"
-#include "paint/retouch/confining_mask.h"
-#include "paint/session.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "surface/output_set.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
+#include "cli/paint/substrate_arguments.h"
+#include "cli/paint/time_lapse.h"
+#include "paint/canvas/canvas_hash.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "paint/session/session.h"
+#include "retouch/treatment/confining_mask.h"
+#include "surface/base/error.h"
+#include "surface/file/output_set.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

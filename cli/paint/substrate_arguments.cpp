@@ -1,11 +1,11 @@
-#include "cli/substrate_arguments.h"
+#include "cli/paint/substrate_arguments.h"
 
 #include <algorithm>
 
 #include "cli/arguments.h"
 #include "cli/command.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "paint/substrate_choice.h"
-#include "surface/progress.h"
+#include "paint/substrate/substrate_choice.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,15 +1,15 @@
-#include "cli/time_lapse.h"
+#include "cli/paint/time_lapse.h"
 
 #include <array>
 #include <utility>
 
 #include "cli/arguments.h"
 #include "cli/command.h"
-#include "paint/appearance.h"
-#include "paint/retouch/treatment_picture.h"
-#include "surface/error.h"
-#include "surface/output_set.h"
-#include "surface/relight.h"
+#include "paint/canvas/appearance.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "surface/base/error.h"
+#include "surface/file/output_set.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "cli/sweep.h"
-#include "paint/session.h"
-#include "viewer/film.h"
+#include "cli/relight/light_sweep.h"
+#include "paint/session/session.h"
+#include "viewer/video/video_writer.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "cli/export_layers.h"
+#include "cli/relight/export_layers.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "paint/layer_pictures.h"
-#include "paint/paint_words.h"
-#include "surface/atomic_file.h"
-#include "surface/picture_file.h"
-#include "surface/png_bytes.h"
+#include "paint/canvas/layer_pictures.h"
+#include "paint/files/paint_metadata.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/report/png_encode.h"
 
 namespace tangi {
 

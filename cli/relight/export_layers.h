@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "paint/canvas.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

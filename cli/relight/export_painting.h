@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "surface/painting_parts.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "surface/base/progress.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 
 // What `tangipaint export PAINTING --to FORMAT --out OUT` would write if the painting were saved as it is
-// now: what is on the canvas, and the palette and brush (tools_file.h). The painting's file need not be
+// now: what is on the canvas, and the palette and brush (palette_part.h). The painting's file need not be
 // there. Throws Error, UsageError, Cancelled.
 nlohmann::json export_canvas(const Canvas& canvas, const std::vector<PartToWrite>& tools,
                              const std::filesystem::path& painting, const std::string& format,

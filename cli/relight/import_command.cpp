@@ -4,10 +4,10 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "fit/import_maps.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
+#include "fit/exchange/import_maps.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

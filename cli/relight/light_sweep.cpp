@@ -1,13 +1,13 @@
-#include "cli/sweep.h"
+#include "cli/relight/light_sweep.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "cli/arguments.h"
 #include "cli/command.h"
-#include "paint/retouch/treatment_picture.h"
-#include "viewer/film.h"
-#include "viewer/sweep.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "viewer/video/light_sweep.h"
+#include "viewer/video/video_writer.h"
 
 namespace tangi {
 

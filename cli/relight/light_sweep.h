@@ -1,4 +1,4 @@
-// sweep.h: a film of a painting while a lamp moves over it: relight --sweep.
+// light_sweep.h: a film of a painting while a lamp moves over it: relight --sweep.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "surface/image.h"
-#include "surface/light.h"
-#include "surface/progress.h"
+#include "surface/base/progress.h"
+#include "surface/image/image.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

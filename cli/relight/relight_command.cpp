@@ -4,21 +4,21 @@
 #include <filesystem>
 #include <set>
 
-#include "capture/capture_file.h"
-#include "capture/lights_file.h"
+#include "capture/formats/capture_file.h"
+#include "capture/formats/lights_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "cli/sweep.h"
-#include "paint/appearance.h"
-#include "paint/canvas_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/faithful.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
-#include "surface/viewing_exposure.h"
-#include "viewer/gpu_relight.h"
+#include "cli/relight/light_sweep.h"
+#include "paint/canvas/appearance.h"
+#include "paint/files/canvas_file.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/render/relight.h"
+#include "surface/render/relighting_residual.h"
+#include "surface/render/viewing_exposure.h"
+#include "viewer/render/gpu_relight.h"
 
 namespace tangi {
 

@@ -4,16 +4,16 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "cli/treatment_arguments.h"
-#include "paint/retouch/area_suggestion.h"
-#include "paint/retouch/mask_draft.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_picture.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
+#include "cli/retouch/treatment_arguments.h"
+#include "retouch/damage/area_suggestion.h"
+#include "retouch/mask/mask_editor.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

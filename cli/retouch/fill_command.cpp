@@ -1,8 +1,8 @@
 // fill_command.cpp: tangipaint fill DIR and tangipaint varnish DIR: layers on a painting under treatment.
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "cli/treatment_arguments.h"
-#include "surface/error.h"
+#include "cli/retouch/treatment_arguments.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -6,17 +6,17 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "cli/retouch_arguments.h"
-#include "cli/treatment_arguments.h"
-#include "paint/appearance.h"
-#include "paint/canvas_file.h"
-#include "paint/retouch/quality.h"
-#include "paint/retouch/treatment_area.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
+#include "cli/retouch/retouch_arguments.h"
+#include "cli/retouch/treatment_arguments.h"
+#include "paint/canvas/appearance.h"
+#include "paint/files/canvas_file.h"
+#include "retouch/inpaint/quality.h"
+#include "retouch/treatment/treatment_area.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "cli/retouch_arguments.h"
+#include "cli/retouch/retouch_arguments.h"
 
 #include <algorithm>
 #include <sstream>
 
 #include "cli/command.h"
-#include "paint/retouch/paint_media.h"
+#include "retouch/colour_match/paint_media.h"
 
 namespace tangi {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "paint/palette.h"
-#include "paint/retouch/pigment_pairs.h"
-#include "paint/retouch/recipe.h"
-#include "paint/retouch/recipe_json.h"
+#include "paint/optics/palette.h"
+#include "retouch/colour_match/pigment_pairs.h"
+#include "retouch/colour_match/recipe.h"
+#include "retouch/inpaint/recipe_json.h"
 
 namespace tangi {
 

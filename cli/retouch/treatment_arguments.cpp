@@ -1,4 +1,4 @@
-#include "cli/treatment_arguments.h"
+#include "cli/retouch/treatment_arguments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include "cli/arguments.h"
 #include "cli/command.h"
-#include "surface/error.h"
-#include "viewer/sitting.h"
+#include "surface/base/error.h"
+#include "viewer/model/crash_recovery.h"
 
 namespace tangi {
 

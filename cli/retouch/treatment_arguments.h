@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/flags.h"
-#include "paint/retouch/treatment_steps.h"
+#include "retouch/treatment/treatment_steps.h"
 
 namespace tangi {
 

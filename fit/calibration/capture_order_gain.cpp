@@ -1,4 +1,4 @@
-#include "fit/shot_order.h"
+#include "fit/calibration/capture_order_gain.h"
 
 #include <cmath>
 #include <vector>

@@ -1,5 +1,5 @@
-// shot_order.h: the strength of a hand-held lamp in a photograph that was held out, from the photographs
-// taken just before and after it.
+// capture_order_gain.h: the strength of a hand-held lamp in a photograph that was held out, from the
+// photographs taken just before and after it.
 //
 // A lamp that is carried around drifts in distance: photographs in a row, which file names put in order,
 // share it, more than photographs lit from as far apart do.
@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "surface/lamp_model.h"
+#include "surface/maps/light_model.h"
 
 namespace tangi {
 

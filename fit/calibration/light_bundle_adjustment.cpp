@@ -1,4 +1,4 @@
-#include "fit/joint_lights.h"
+#include "fit/calibration/light_bundle_adjustment.h"
 
 #include <ceres/ceres.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "fit/joint_priors.h"
-#include "fit/joint_residual.h"
-#include "fit/schur_solver.h"
-#include "surface/median.h"
+#include "fit/calibration/light_priors.h"
+#include "fit/calibration/light_residual.h"
+#include "fit/calibration/schur_solver.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

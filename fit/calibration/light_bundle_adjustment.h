@@ -1,5 +1,5 @@
-// joint_lights.h: the bundle adjustment of light calibration: grey pixels, gains, beams, directions and rig
-// at once.
+// light_bundle_adjustment.h: the bundle adjustment of light calibration: grey pixels, gains, beams,
+// directions and rig at once.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "fit/direction_field.h"
+#include "fit/calibration/light_direction_field.h"
 
 namespace tangi {
 
@@ -76,8 +76,8 @@ struct JointLights {
     std::vector<double> log_gains;  // one a photograph: start, and result
     double gain_scatter = 0;        // [1] of log_gains about their smooth trend: what is expected, and result
     std::vector<glm::dvec2>
-        turns;  // of the directions (direction_field.h): start, and result; one a photograph
-    std::vector<std::array<double, 5>> beams;  // by beam_terms() of joint_residual.h: start, and result
+        turns;  // of the directions (light_direction_field.h): start, and result; one a photograph
+    std::vector<std::array<double, 5>> beams;  // by beam_terms() of light_residual.h: start, and result
     RigParameters rig;                         // start, and result
     DirectionField field;                      // result: of the smooth part of the turns ...
     std::vector<double> coefficients;          // ... by these; none where directions are listed

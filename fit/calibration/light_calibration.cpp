@@ -1,10 +1,10 @@
-#include "fit/light_calibration.h"
+#include "fit/calibration/light_calibration.h"
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
-#include "fit/light_trial.h"
+#include "fit/calibration/light_model_selection.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
 // light_calibration.h: how strong, how near and how even the lamps were, what light came from all around, and
 // how near the camera was, from the photographs of a stack alone.
 //
-// Solved by fit/schur_solver.h jointly with the surface: for a sample of pixels a slope, a grey rho_d, rho_s
-// and alpha each; for each photograph ln gain, and a polynomial of the place where lamps are uneven; for the
-// stack the ambient light and the distances of lamps and camera, all against the photographs, robustly. What
-// is found is used only where it predicts photographs that were left out better.
+// Solved by fit/calibration/schur_solver.h jointly with the surface: for a sample of pixels a slope, a grey
+// rho_d, rho_s and alpha each; for each photograph ln gain, and a polynomial of the place where lamps are
+// uneven; for the stack the ambient light and the distances of lamps and camera, all against the photographs,
+// robustly. What is found is used only where it predicts photographs that were left out better.
 //
 // What photographs cannot tell is fixed so:
 //   strength   the median gain is 1; white_level says what that means
@@ -21,13 +21,13 @@
 #include <string>
 #include <vector>
 
-#include "capture/survey.h"
-#include "fit/joint_lights.h"
-#include "fit/lighting.h"
-#include "fit/pixel_scores.h"
-#include "fit/ward_fit.h"
-#include "surface/lamp_model.h"
-#include "surface/progress.h"
+#include "capture/stack/survey.h"
+#include "fit/calibration/light_bundle_adjustment.h"
+#include "fit/pixel/lighting.h"
+#include "fit/pixel/pixel_scores.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/base/progress.h"
+#include "surface/maps/light_model.h"
 
 namespace tangi {
 

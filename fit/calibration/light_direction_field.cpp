@@ -1,4 +1,4 @@
-#include "fit/direction_field.h"
+#include "fit/calibration/light_direction_field.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

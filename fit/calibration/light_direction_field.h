@@ -1,4 +1,5 @@
-// direction_field.h: small corrections of the lamps' directions, and which of them photographs can tell.
+// light_direction_field.h: small corrections of the lamps' directions, and which of them photographs can
+// tell.
 //
 // A correction is a turn t [1, tangents of angles] in the plane that touches the sphere of directions at d:
 //   d' = d + t.x a + t.y b, unit

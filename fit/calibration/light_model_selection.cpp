@@ -1,4 +1,4 @@
-#include "fit/light_trial.h"
+#include "fit/calibration/light_model_selection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-// light_trial.h: one way to explain a stack's photographs by its lamps, solved with all of them, and how it
-// predicts those that are left out: what light calibration chooses by.
+// light_model_selection.h: one way to explain a stack's photographs by its lamps, solved with all of them,
+// and how it predicts those that are left out: what light calibration chooses by.
 #pragma once
 
 #include <functional>
 #include <optional>
 #include <vector>
 
-#include "fit/light_calibration.h"
-#include "fit/light_sample.h"
+#include "fit/calibration/light_calibration.h"
+#include "fit/calibration/light_sample.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// joint_priors.h: what the joint problem of pixels, lamps and rig takes for likely before any photograph, as
+// light_priors.h: what the joint problem of pixels, lamps and rig takes for likely before any photograph, as
 // cost functions.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "fit/joint_residual.h"
+#include "fit/calibration/light_residual.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "fit/joint_residual.h"
+#include "fit/calibration/light_residual.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/diffuse.h"
+#include "surface/reflectance/oren_nayar.h"
 
 namespace tangi {
 
@@ -14,7 +14,7 @@ namespace {
 
 // What a sample shows of the light that a unit lamp sends to its pixel, and its derivatives.
 struct Reflected {
-    double n_l = 0, n_v = 0, lobe = 0;                     // lobe is pi times surface/ward.h's
+    double n_l = 0, n_v = 0, lobe = 0;                     // lobe is pi times surface/reflectance/ward.h's
     double lobe_h_n = 0, lobe_h_h = 0, lobe_ln_alpha = 0;  // d lobe by h.n, h.h, ln alpha
     DiffuseTerms<double> matt{};                           // D
 };

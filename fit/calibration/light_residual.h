@@ -1,9 +1,9 @@
-// joint_residual.h: one grey sample of one photograph as a residual of pixel, lamp and rig, with analytic
+// light_residual.h: one grey sample of one photograph as a residual of pixel, lamp and rig, with analytic
 // derivatives.
 //
 // Lengths are in picture widths, positions from the picture's centre. With d the lamp's given direction, s
-// how much nearer it is than the others, t its turn (direction_field.h), x the pixel's position, a that of
-// the camera, the rig's bend b, the lamps' nearness m, the camera's nearness c and the height h of the
+// how much nearer it is than the others, t its turn (light_direction_field.h), x the pixel's position, a that
+// of the camera, the rig's bend b, the lamps' nearness m, the camera's nearness c and the height h of the
 // surface:
 //   d' = d + t.x a + t.y b, unit
 //   q  = d' - m s (0, 0, h)                                               from the centre of the surface
@@ -11,8 +11,8 @@
 //   l  = u / |u|;   v = unit of (c (a - x), 1)                            towards the camera
 //   model = exp(g + f(x)) / |u|^2 (rho_d (D + k) + rho_s pi lobe(alpha) max(n.l, 0))
 // with g the lamp's ln gain, f its beam (beam_terms()), k the ambient light, the bounded lobe of
-// surface/ward.h and D the diffuse reflection of surface/diffuse.h: max(n.l, 0) where the diffuse roughness
-// is 0. Residual (model - value) / sigma.
+// surface/reflectance/ward.h and D the diffuse reflection of surface/reflectance/oren_nayar.h: max(n.l, 0)
+// where the diffuse roughness is 0. Residual (model - value) / sigma.
 #pragma once
 
 #include <ceres/sized_cost_function.h>
@@ -21,7 +21,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "fit/direction_field.h"
+#include "fit/calibration/light_direction_field.h"
 
 namespace tangi {
 
@@ -30,8 +30,8 @@ constexpr int kJointRig = 6;    // lamp nearness, ambient, camera nearness, bend
 constexpr int kJointTurn = 2;   // x and y of the turn of the lamp's direction
 constexpr int kJointBeam = 5;   // of its beam
 
-// Of surface/light.h's Beam, in half widths: what the five parameters are multiplied by, so that each is what
-// it adds to ln irradiance at the border.
+// Of surface/maps/light.h's Beam, in half widths: what the five parameters are multiplied by, so that each is
+// what it adds to ln irradiance at the border.
 inline std::array<double, kJointBeam> beam_terms(const glm::dvec2& position) {
     const double x = 2 * position.x, y = 2 * position.y;
     return {x, y, x * x, x * y, y * y};

@@ -1,4 +1,4 @@
-#include "fit/light_sample.h"
+#include "fit/calibration/light_sample.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
@@ -8,10 +8,10 @@
 #include <iterator>
 #include <limits>
 
-#include "fit/lobe_colour.h"
-#include "fit/lobe_stretch.h"
-#include "fit/ward_batch.h"
-#include "surface/parallel.h"
+#include "fit/material/anisotropy_estimate.h"
+#include "fit/material/specular_colour.h"
+#include "fit/pixel/ward_batch.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

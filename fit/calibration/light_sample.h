@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "capture/survey.h"
-#include "fit/joint_lights.h"
-#include "fit/lighting.h"
-#include "fit/ward_fit.h"
+#include "capture/stack/survey.h"
+#include "fit/calibration/light_bundle_adjustment.h"
+#include "fit/pixel/lighting.h"
+#include "fit/pixel/ward_fit.h"
 
 namespace tangi {
 
@@ -36,11 +36,11 @@ public:
                                   const ReflectanceLaw& law = {}, const std::vector<Rgb>& lobe_colours = {},
                                   const std::vector<Stretch>& stretches = {}) const;
 
-    // How the same photographs say that each pixel's lobe is drawn out (lobe_stretch.h).
+    // How the same photographs say that each pixel's lobe is drawn out (anisotropy_estimate.h).
     std::vector<Stretch> stretches(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,
                                    const Lighting& lighting, const ReflectanceLaw& law) const;
 
-    // What the same photographs say of each pixel's colour of the lobe (lobe_colour.h).
+    // What the same photographs say of each pixel's colour of the lobe (specular_colour.h).
     std::vector<Rgb> lobe_colours(const std::vector<WardEstimate>& estimates, const std::vector<int>& photos,
                                   const Lighting& lighting, const ReflectanceLaw& law) const;
 

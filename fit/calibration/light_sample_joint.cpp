@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fit/light_sample.h"
-#include "surface/parallel.h"
+#include "fit/calibration/light_sample.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/law_choice.h"
+#include "fit/calibration/reflectance_model_selection.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <utility>
 
-#include "fit/pixel_scores.h"
-#include "surface/median.h"
+#include "fit/pixel/pixel_scores.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 
@@ -102,7 +102,8 @@ Gain gain_of(const std::vector<double>& db, const std::vector<double>& than) {
 }
 
 // Whether it gains for sure, and as much as it is worth.
-bool is_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas, double worth) {
+bool is_surely_better(const std::vector<double>& db, const std::vector<double>& than, double sigmas,
+                      double worth) {
     const Gain gain = gain_of(db, than);
     return gain.mean > std::max(worth, sigmas * gain.sigma);
 }
@@ -118,7 +119,7 @@ struct WithNoise {
     bool is_better(std::vector<double> db, std::vector<double> than, double sigmas = kSureOfRarer) const {
         for (std::vector<double>* values : {&db, &than})
             for (double& value : *values) value = (*this)(value);
-        return tangi::is_better(db, than, sigmas, kWorth);
+        return is_surely_better(db, than, sigmas, kWorth);
     }
 };
 
@@ -215,7 +216,7 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
             if (mean(prediction.db) <= mean((tried.empty() ? best : tried.back().second).db)) break;
             tried.emplace_back(law, std::move(prediction));
         }
-        if (tried.empty() || !is_better(tried.back().second.db, best.db, sigmas, worth) ||
+        if (tried.empty() || !is_surely_better(tried.back().second.db, best.db, sigmas, worth) ||
             tried.back().second.pixels.part_better_than(best.pixels) <= pixels)
             return;
         const auto least = std::find_if(tried.begin(), tried.end(), [&](const auto& one) {

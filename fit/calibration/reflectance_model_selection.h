@@ -1,13 +1,13 @@
-// law_choice.h: how rough the diffuse reflection of a painting is, how much haze its lobes have
-// (surface/ward.h), and whether they have colours and are drawn out, decided by how well left-out photographs
-// are predicted.
+// reflectance_model_selection.h: how rough the diffuse reflection of a painting is, how much haze its lobes
+// have (surface/reflectance/ward.h), and whether they have colours and are drawn out, decided by how well
+// left-out photographs are predicted.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
-#include "fit/light_sample.h"
+#include "fit/calibration/light_sample.h"
 
 namespace tangi {
 
@@ -26,7 +26,7 @@ struct LawChoice {
         double part = 0;  // [1] of the sample: such pixels
         double white_db = 0, coloured_db = 0;
     } colours{};
-    // The same of lobes that are drawn out (surface/anisotropy.h).
+    // The same of lobes that are drawn out (surface/reflectance/anisotropy.h).
     struct Stretches {
         bool chosen = false;
         double part = 0;
@@ -42,13 +42,13 @@ struct LawChoice {
 LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {},
                      const std::optional<double>& diffuse_roughness = {});
 
-// The colours of lobes (lobe_colour.h) under that law: where at least 1 % of the sample has any, and
+// The colours of lobes (specular_colour.h) under that law: where at least 1 % of the sample has any, and
 // photographs are predicted better there by 0.1 dB more than twice its standard error, noise counted
 // likewise; with lobes drawn out as the same photographs say, or isotropic.
 LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
                                        const ReflectanceLaw& law, bool drawn_out);
 
-// Whether lobes are drawn out (lobe_stretch.h), by the same test, with white lobes, under the
+// Whether lobes are drawn out (anisotropy_estimate.h), by the same test, with white lobes, under the
 // choice's law; sets its stretches. A lobe that is narrow one way and wide the other passes for a hazy one:
 // where lobes are drawn out, haze (if it is open) is only left where it still predicts photographs better.
 void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,

@@ -1,12 +1,12 @@
-#include "fit/schur_solver.h"
+#include "fit/calibration/schur_solver.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "fit/schur_system.h"
-#include "surface/error.h"
+#include "fit/calibration/schur_system.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/schur_system.h"
+#include "fit/calibration/schur_system.h"
 
 #include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
@@ -10,8 +10,8 @@
 #include <limits>
 #include <unordered_set>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,20 +1,20 @@
-#include "fit/compare.h"
+#include "fit/evaluate/compare.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "capture/left_out.h"
-#include "fit/colour_rows.h"
-#include "fit/compared_lights.h"
-#include "fit/compared_motions.h"
-#include "fit/compared_whites.h"
-#include "fit/photos_ahead.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
-#include "surface/relighter.h"
-#include "surface/viewing_exposure.h"
+#include "capture/photo/rejected_photo.h"
+#include "fit/evaluate/compared_lights.h"
+#include "fit/evaluate/compared_motions.h"
+#include "fit/evaluate/compared_whites.h"
+#include "fit/pipeline/photo_prefetch.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
+#include "surface/image/colour_rows.h"
+#include "surface/render/relighter.h"
+#include "surface/render/viewing_exposure.h"
 
 namespace tangi {
 
@@ -96,8 +96,8 @@ glm::mat3 exposure_of(const Photography& photography) {
            glm::mat3(photography.to_camera.value_or(glm::dmat3(1)));
 }
 
-// [1] Pictures are compared as bright as people see them: floats in a unit of their own (fit/float_scale.h)
-// would be all alike, or all wrong, beside a full scale of 1.
+// [1] Pictures are compared as bright as people see them: floats in a unit of their own
+// (fit/exchange/float_scale.h) would be all alike, or all wrong, beside a full scale of 1.
 float unit_of(const Photography& photography, const Transfer& transfer) {
     if (transfer != Transfer{}) return 1;
     return static_cast<float>(viewing_exposure(photography.white_level) / photography.white_level);

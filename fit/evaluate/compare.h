@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "capture/stack.h"
-#include "fit/metrics.h"
-#include "surface/faithful.h"
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "capture/stack/stack.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/image/metrics.h"
+#include "surface/maps/surface.h"
+#include "surface/render/relighting_residual.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "fit/compare_page.h"
+#include "fit/evaluate/compare_page.h"
 
 #include <array>
 
-#include "fit/compare_page_html.h"
-#include "fit/false_colour.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/parallel.h"
-#include "surface/picture_file.h"
+#include "fit/evaluate/compare_page_html.h"
+#include "surface/base/parallel.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
+#include "surface/report/false_colour.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "fit/compare.h"
+#include "fit/evaluate/compare.h"
 
 namespace tangi {
 

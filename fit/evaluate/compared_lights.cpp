@@ -1,8 +1,8 @@
-#include "fit/compared_lights.h"
+#include "fit/evaluate/compared_lights.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "capture/stack.h"
-#include "surface/surface.h"
+#include "capture/stack/stack.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,19 +1,20 @@
-#include "fit/compared_motions.h"
+#include "fit/evaluate/compared_motions.h"
 
 #include <algorithm>
 #include <glm/matrix.hpp>
 
-#include "capture/left_out.h"
-#include "capture/registration.h"
-#include "capture/stack_calibration.h"
-#include "fit/photos_ahead.h"
-#include "surface/error.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/registration/registration.h"
+#include "capture/stack/stack_calibration.h"
+#include "fit/pipeline/photo_prefetch.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 
 namespace {
 
-// As of single photographs of a stack that the fit registers (capture/motion_verdict.cpp, registration.cpp).
+// As of single photographs of a stack that the fit registers (capture/registration/motion_verdict.cpp,
+// registration.cpp).
 constexpr double kLeastDrift_px = 0.25, kSureOfDrift = 5;  // [pixels], [standard errors]
 constexpr int kLeastSideToRegister = 96;                   // [pixels]
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/stack.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "capture/stack/stack.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "fit/compared_whites.h"
+#include "fit/evaluate/compared_whites.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "capture/survey.h"
-#include "surface/error.h"
+#include "capture/stack/survey.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "capture/white_balances.h"
-#include "fit/compare.h"
+#include "capture/radiometry/white_balances.h"
+#include "fit/evaluate/compare.h"
 
 namespace tangi {
 

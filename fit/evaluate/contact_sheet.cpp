@@ -1,10 +1,10 @@
-#include "fit/contact_sheet.h"
+#include "fit/evaluate/contact_sheet.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "fit/false_colour.h"
+#include "surface/report/false_colour.h"
 
 namespace tangi {
 

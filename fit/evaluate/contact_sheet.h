@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fit/compare.h"
+#include "fit/evaluate/compare.h"
 
 namespace tangi {
 

@@ -1,14 +1,14 @@
-#include "fit/export_maps.h"
+#include "fit/exchange/export_maps.h"
 
 #include <cmath>
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
-#include "surface/anisotropy.h"
-#include "surface/atomic_file.h"
-#include "surface/height_unit.h"
-#include "surface/photography_json.h"
-#include "surface/picture_file.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/height_unit.h"
+#include "surface/maps/photography_json.h"
+#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 

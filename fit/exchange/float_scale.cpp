@@ -1,8 +1,8 @@
-#include "fit/float_scale.h"
+#include "fit/exchange/float_scale.h"
 
 #include <cmath>
 
-#include "fit/light_sample.h"
+#include "fit/calibration/light_sample.h"
 
 namespace tangi {
 

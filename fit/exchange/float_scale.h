@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "capture/stack.h"
-#include "capture/survey.h"
+#include "capture/stack/stack.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

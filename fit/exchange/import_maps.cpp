@@ -1,4 +1,4 @@
-#include "fit/import_maps.h"
+#include "fit/exchange/import_maps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,18 +6,18 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/letter_case.h"
-#include "surface/median.h"
-#include "surface/memory_budget.h"
-#include "surface/parallel.h"
-#include "surface/photography_json.h"
-#include "surface/picture_file.h"
-#include "surface/picture_rows.h"
-#include "surface/visible_files.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/visible_files.h"
+#include "surface/image/memory_budget.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_rows.h"
+#include "surface/maps/photography_json.h"
 
 namespace tangi {
 

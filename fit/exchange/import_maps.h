@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "fit/height.h"
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "fit/height/height.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/rti.h"
+#include "fit/exchange/ptm_hsh.h"
 
 #include <Eigen/Core>
 #include <Eigen/QR>
@@ -6,8 +6,8 @@
 #include <glm/common.hpp>
 #include <numbers>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

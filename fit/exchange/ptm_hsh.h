@@ -1,5 +1,5 @@
-// rti.h: polynomial texture maps and hemispherical harmonics, least squares at each pixel: what RTI viewers
-// show, and the yardstick for the Ward fit.
+// ptm_hsh.h: polynomial texture maps and hemispherical harmonics, least squares at each pixel: what RTI
+// viewers show, and the yardstick for the Ward fit.
 //
 // Both predict stored values (in the photographs' encoding, 0..1) as a linear combination of functions of the
 // light's direction alone: lamps count as distant and equally strong.
@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "capture/stack.h"
-#include "surface/progress.h"
-#include "surface/relight.h"
+#include "capture/stack/stack.h"
+#include "surface/base/progress.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

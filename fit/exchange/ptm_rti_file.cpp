@@ -1,13 +1,13 @@
-#include "fit/rti_file.h"
+#include "fit/exchange/ptm_rti_file.h"
 
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <sstream>
 
-#include "surface/error.h"
-#include "surface/json_text.h"
-#include "surface/picture_file.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// rti_file.h: .ptm and .rti files, as RTI viewers open them.
+// ptm_rti_file.h: .ptm and .rti files, as RTI viewers open them.
 //
 // .ptm: version 1.2 (Malzbender, Gelb 2001, "Polynomial texture map (.ptm) file format"), PTM_FORMAT_RGB or
 // PTM_FORMAT_LRGB, uncompressed: a coefficient is (byte - bias) * scale, of values 0..255, with one scale and
@@ -9,8 +9,8 @@
 
 #include <filesystem>
 
-#include "fit/rti.h"
-#include "surface/atomic_file.h"
+#include "fit/exchange/ptm_hsh.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

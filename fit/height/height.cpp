@@ -1,13 +1,13 @@
-#include "fit/height.h"
+#include "fit/height/height.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "fit/height_error.h"
-#include "fit/height_grid.h"
-#include "fit/slope_edges.h"
-#include "surface/error.h"
+#include "fit/height/height_error.h"
+#include "fit/height/height_grid.h"
+#include "fit/height/slope_edges.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
 // height.h: height from slopes, by weighted least squares with free boundaries.
 #pragma once
 
-#include "fit/fit_errors.h"
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "fit/pixel/fit_errors.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 
@@ -40,7 +40,7 @@ struct HeightReport {
 // What an integration is for, beside the slopes.
 struct HeightTask {
     Image<HalfError>* error_mm = nullptr;  // where not null, becomes height_errors() (height_error.h)
-    // What pixels mix was taken out of these normals (mixed_slopes.h), which leaves less.
+    // What pixels mix was taken out of these normals (subpixel_slopes.h), which leaves less.
     bool unmixed = false;
     // height_mm, where it has the size of the normals, is one of about these slopes: cycles begin with it,
     // and the weights of cliffs with what it leaves of the slopes (also without robust_sweeps).

@@ -1,12 +1,12 @@
-#include "fit/height_error.h"
+#include "fit/height/height_error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "fit/height_grid.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "fit/height/height_grid.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
 // height_error.h: standard errors of a height that was integrated from slopes.
 #pragma once
 
-#include "fit/slope_edges.h"
-#include "surface/progress.h"
+#include "fit/height/slope_edges.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

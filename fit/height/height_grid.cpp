@@ -1,4 +1,4 @@
-#include "fit/height_grid.h"
+#include "fit/height/height_grid.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <numeric>
 #include <utility>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

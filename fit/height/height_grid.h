@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "fit/fit_errors.h"
-#include "fit/height_rows.h"
-#include "surface/image.h"
+#include "fit/height/height_rows.h"
+#include "fit/pixel/fit_errors.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

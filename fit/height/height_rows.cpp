@@ -1,8 +1,8 @@
-#include "fit/height_rows.h"
+#include "fit/height/height_rows.h"
 
 #include <algorithm>
 
-#include "surface/vector_clones.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "fit/fit_errors.h"
-#include "surface/image.h"
+#include "fit/pixel/fit_errors.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/slope_edges.h"
+#include "fit/height/slope_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "surface/noise.h"
-#include "surface/parallel.h"
+#include "surface/base/noise.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

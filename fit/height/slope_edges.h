@@ -6,8 +6,8 @@
 // weight of an edge; an edge that the surface disagrees with all the same is a cliff.
 #pragma once
 
-#include "fit/fit_errors.h"
-#include "surface/surface.h"
+#include "fit/pixel/fit_errors.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 
@@ -36,8 +36,8 @@ constexpr float kSharpest = 0.002f;
 // height's error, not a slope's: differences between neighbours have it as a gradient, which no loop of edges
 // shows and no weight averages out.
 constexpr float kOffset = 0.1f;
-// The same where what pixels mix was taken out of the slopes (mixed_slopes.h), by as much as is right: 0.06
-// to 0.08 (the same tests).
+// The same where what pixels mix was taken out of the slopes (subpixel_slopes.h), by as much as is right:
+// 0.06 to 0.08 (the same tests).
 constexpr float kUnmixedOffset = 0.07f;
 
 // [1] What one end of an edge adds to the variance of the edge's difference in height, in pixels.

@@ -1,8 +1,8 @@
-#include "fit/mixed_slopes.h"
+#include "fit/height/subpixel_slopes.h"
 
-#include "fit/slope_edges.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "fit/height/slope_edges.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// mixed_slopes.h: the mean slope of the relief that a pixel mixes, which is steeper than the slope of its
+// subpixel_slopes.h: the mean slope of the relief that a pixel mixes, which is steeper than the slope of its
 // normal.
 //
 // What photometric stereo shows of a pixel is the mean of the normals in it, and the steeper a normal is the
@@ -9,7 +9,7 @@
 // shadows that are too short.
 #pragma once
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/shadow_signs.h"
+#include "fit/light_checks/axis_check_shadows.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -7,10 +7,10 @@
 #include <limits>
 #include <numeric>
 
-#include "fit/height.h"
-#include "surface/cast_shadows.h"
-#include "surface/parallel.h"
-#include "surface/relight.h"
+#include "fit/height/height.h"
+#include "surface/base/parallel.h"
+#include "surface/render/cast_shadows.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

@@ -1,16 +1,16 @@
-// shadow_signs.h: which way the axes of a lights file point, as the shadows tell that the relief casts.
+// axis_check_shadows.h: which way the axes of a lights file point, as the shadows tell that the relief casts.
 //
-// Slopes leave it open whether x, y or none or both of them are mirrored (light_signs.h), and turns by 180
-// degrees at all: hills and valleys are exchanged, and each lamp shines from the other side. Matt shading is
-// the same; cast shadows are not.
+// Slopes leave it open whether x, y or none or both of them are mirrored (axis_check_slopes.h), and turns by
+// 180 degrees at all: hills and valleys are exchanged, and each lamp shines from the other side. Matt shading
+// is the same; cast shadows are not.
 #pragma once
 
 #include <nlohmann/json.hpp>
 
-#include "capture/stack_calibration.h"
-#include "capture/survey.h"
-#include "fit/light_signs.h"
-#include "surface/surface.h"
+#include "capture/stack/stack_calibration.h"
+#include "capture/stack/survey.h"
+#include "fit/light_checks/axis_check_slopes.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "fit/light_signs.h"
+#include "fit/light_checks/axis_check_slopes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "fit/log_ratio.h"
-#include "surface/error.h"
-#include "surface/light.h"
+#include "surface/base/error.h"
+#include "surface/base/log_ratio.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

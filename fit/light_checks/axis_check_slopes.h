@@ -1,4 +1,4 @@
-// light_signs.h: whether the axes of a lights file point the way they should: slopes that are fitted to
+// axis_check_slopes.h: whether the axes of a lights file point the way they should: slopes that are fitted to
 // lights of which x or y is mirrored, or which are turned about the picture's normal, are those of no
 // surface.
 //
@@ -11,7 +11,7 @@
 #include <glm/vec2.hpp>
 #include <nlohmann/json.hpp>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "fit/odd_lights_vote.h"
+#include "fit/light_checks/light_outlier_vote.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "fit/pixel_scores.h"
-#include "surface/median.h"
+#include "fit/pixel/pixel_scores.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-// odd_lights_vote.h: whether a light that was found odd (odd_lights.h) explains its photograph better than
-// the listed one does, pixel by pixel, gloss and all.
+// light_outlier_vote.h: whether a light that was found odd (light_outliers.h) explains its photograph better
+// than the listed one does, pixel by pixel, gloss and all.
 //
-// What odd_lights.h goes by is matt: where part of a painting shines (gold leaf, and the more where it was
-// brushed), a photograph can seem to be lit from elsewhere that is not. The pixels of a sample, fitted to all
-// other photographs, have to predict it better under the light that it seems to show.
+// What light_outliers.h goes by is matt: where part of a painting shines (gold leaf, and the more where it
+// was brushed), a photograph can seem to be lit from elsewhere that is not. The pixels of a sample, fitted to
+// all other photographs, have to predict it better under the light that it seems to show.
 #pragma once
 
-#include "fit/light_sample.h"
-#include "fit/odd_lights.h"
+#include "fit/calibration/light_sample.h"
+#include "fit/light_checks/light_outliers.h"
 
 namespace tangi {
 

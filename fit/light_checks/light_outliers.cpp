@@ -1,4 +1,4 @@
-#include "fit/odd_lights.h"
+#include "fit/light_checks/light_outliers.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,10 +9,10 @@
 #include <numeric>
 #include <utility>
 
-#include "fit/shown_lights.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "fit/light_checks/per_photo_light.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

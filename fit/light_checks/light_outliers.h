@@ -1,4 +1,4 @@
-// odd_lights.h: photographs that are shaded by another light than the one listed for them.
+// light_outliers.h: photographs that are shaded by another light than the one listed for them.
 //
 // Matt reflection is g·s, g = ρd times the normal and s = strength times the direction of the light. The g of
 // a sample of pixels, found from all photographs robustly (photometric stereo, Woodham 1980), tell s of each
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/survey.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "fit/odd_lights.h"
+#include "fit/light_checks/light_outliers.h"
 
 namespace tangi {
 

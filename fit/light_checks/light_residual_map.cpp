@@ -1,12 +1,12 @@
-#include "fit/light_misfit.h"
+#include "fit/light_checks/light_residual_map.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
-#include "fit/light_sample.h"
-#include "surface/median.h"
+#include "fit/calibration/light_sample.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -1,13 +1,14 @@
-// light_misfit.h: where and by how much photographs differ from what the fit makes of them, on a sample.
+// light_residual_map.h: where and by how much photographs differ from what the fit makes of them, on a
+// sample.
 #pragma once
 
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "capture/survey.h"
-#include "fit/lighting.h"
-#include "fit/ward_fit.h"
-#include "surface/image.h"
+#include "capture/stack/survey.h"
+#include "fit/pixel/lighting.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

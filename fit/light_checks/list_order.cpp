@@ -1,4 +1,4 @@
-#include "fit/list_order.h"
+#include "fit/light_checks/list_order.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 #include <numeric>
 #include <random>
 
-#include "capture/matt_sample.h"
-#include "fit/log_ratio.h"
-#include "fit/odd_lights.h"
-#include "surface/light.h"
-#include "surface/parallel.h"
+#include "capture/radiometry/matt_sample.h"
+#include "fit/light_checks/light_outliers.h"
+#include "surface/base/log_ratio.h"
+#include "surface/base/parallel.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -3,9 +3,10 @@
 // column by column (list_slips.h), and whether it fits them in any order.
 //
 // Where lamps stand in rings, such a list is as good as one whose lights are all turned, but for the ends of
-// the rings: slopes look turned (light_signs.h), and turning the lights makes them right for most photographs
-// and wrong for the rest. Matt reflection tells which it is: it fits lights that are all turned or mirrored
-// as well as the right ones, since the surface turns with them, and lights in another order worse.
+// the rings: slopes look turned (axis_check_slopes.h), and turning the lights makes them right for most
+// photographs and wrong for the rest. Matt reflection tells which it is: it fits lights that are all turned
+// or mirrored as well as the right ones, since the surface turns with them, and lights in another order
+// worse.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "capture/stack.h"
-#include "capture/stack_calibration.h"
-#include "capture/survey.h"
-#include "fit/list_slips.h"
-#include "fit/shadow_signs.h"
+#include "capture/stack/stack.h"
+#include "capture/stack/stack_calibration.h"
+#include "capture/stack/survey.h"
+#include "fit/light_checks/axis_check_shadows.h"
+#include "fit/light_checks/list_slips.h"
 
 namespace tangi {
 

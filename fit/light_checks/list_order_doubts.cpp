@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/list_order.h"
+#include "fit/light_checks/list_order.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "fit/list_slips.h"
+#include "fit/light_checks/list_slips.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "capture/photo_names.h"
-#include "surface/median.h"
+#include "capture/photo/photo_names.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

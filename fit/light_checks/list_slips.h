@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "capture/survey.h"
-#include "surface/colour.h"
-#include "surface/light.h"
+#include "capture/stack/survey.h"
+#include "surface/image/colour.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/misfit_terms.h"
+#include "fit/light_checks/misfit_terms.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <limits>
 #include <map>
 
-#include "surface/median.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fit/photo_misfit.h"
+#include "fit/light_checks/photo_misfit.h"
 
 namespace tangi {
 

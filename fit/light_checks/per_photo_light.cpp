@@ -1,4 +1,4 @@
-#include "fit/shown_lights.h"
+#include "fit/light_checks/per_photo_light.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "capture/photometric_stereo.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "capture/radiometry/photometric_stereo.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

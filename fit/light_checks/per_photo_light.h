@@ -1,11 +1,11 @@
-// shown_lights.h: the light that each photograph of a relief shows, whatever is listed for it.
+// per_photo_light.h: the light that each photograph of a relief shows, whatever is listed for it.
 #pragma once
 
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
-#include "capture/survey.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

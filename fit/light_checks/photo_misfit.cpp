@@ -1,15 +1,15 @@
-#include "fit/photo_misfit.h"
+#include "fit/light_checks/photo_misfit.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "fit/misfit_terms.h"
-#include "surface/light.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
-#include "surface/relighter.h"
+#include "fit/light_checks/misfit_terms.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
+#include "surface/maps/light.h"
+#include "surface/render/relighter.h"
 
 namespace tangi {
 

@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 
-#include "capture/stack.h"
-#include "fit/lighting.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "capture/stack/stack.h"
+#include "fit/pixel/lighting.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

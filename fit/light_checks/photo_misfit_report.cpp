@@ -2,9 +2,9 @@
 #include <cmath>
 #include <functional>
 
-#include "fit/photo_misfit.h"
-#include "surface/error.h"
-#include "surface/median.h"
+#include "fit/light_checks/photo_misfit.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/turned_photos.h"
+#include "fit/light_checks/turned_photos.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,10 +7,10 @@
 #include <map>
 #include <numeric>
 
-#include "capture/stack_calibration.h"
-#include "capture/stray_photos.h"
-#include "fit/log_ratio.h"
-#include "surface/parallel.h"
+#include "capture/stack/duplicate_photos.h"
+#include "capture/stack/stack_calibration.h"
+#include "surface/base/log_ratio.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 
@@ -23,7 +23,7 @@ constexpr double kMostlyPaired = 0.9;  // [1] samples that lie on others in ever
 constexpr int kPoseParts = 8;          // of the picture, along each side
 // [1] Most of what changes: of lights in a wrong order it is little, and what they predict means nothing.
 constexpr double kMostExplained = 0.5;
-constexpr double kSureOfPose = 6;        // [standard errors] as of light_signs.h
+constexpr double kSureOfPose = 6;        // [standard errors] as of axis_check_slopes.h
 constexpr std::size_t kAllButThird = 3;  // as require_few(): what so many lack is looked at first
 constexpr double kClearlyPosed = -0.5;   // ln of a ratio of squares, likewise
 

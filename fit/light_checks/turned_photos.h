@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/left_out.h"
-#include "capture/survey.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/lobe_stretch.h"
+#include "fit/material/anisotropy_estimate.h"
 
 #include <ceres/tiny_solver.h>
 
@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "fit/lobe_prior.h"
-#include "surface/parallel.h"
+#include "fit/material/lobe_neighbour_prior.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 
@@ -185,7 +185,7 @@ double agreement(const StretchEvidence& neighbour, const StretchEvidence& mean) 
 
 Rgb look_at(const Surface& s, int x, int y) { return s.diffuse(x, y) + s.specular(x, y); }
 
-// Whether pixels look alike, 1 to 0: Tukey's biweight, as of lobe_prior.cpp.
+// Whether pixels look alike, 1 to 0: Tukey's biweight, as of lobe_neighbour_prior.cpp.
 double alikeness(const Rgb& other, const Rgb& look) {
     const float scale2 = square(kAlikeStretched * (look.r + look.g + look.b) / 3 + kAlikeStretchedFloor);
     const Rgb off = other - look;

@@ -1,4 +1,5 @@
-// lobe_stretch.h: what photographs say of how a pixel's lobe is drawn out (surface/anisotropy.h).
+// anisotropy_estimate.h: what photographs say of how a pixel's lobe is drawn out
+// (surface/reflectance/anisotropy.h).
 //
 // Brushed or burnished metal, and varnish along a canvas' threads, reflect further across the grooves than
 // along them. Few lights show the lobe of one pixel, so its stretch is found with everything else of the
@@ -8,9 +9,10 @@
 #include <algorithm>
 #include <glm/mat2x2.hpp>
 
-#include "capture/pixel_samples.h"
-#include "fit/ward_fit.h"
-#include "surface/anisotropy.h"
+#include "capture/stack/pixel_samples.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/maps/surface.h"
+#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 

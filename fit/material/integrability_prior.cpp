@@ -1,12 +1,12 @@
-#include "fit/slope_prior.h"
+#include "fit/material/integrability_prior.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "fit/slope_edges.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "fit/height/slope_edges.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// slope_prior.h: what the surface through the neighbours of a pixel says about its slope.
+// integrability_prior.h: what the surface through the neighbours of a pixel says about its slope.
 //
 // The joint minimum of photographs and integrability, height and slopes both unknown,
 //   sum over pixels of the photographs' cost (slope_i, ...)
@@ -10,8 +10,8 @@
 
 #include <vector>
 
-#include "fit/ward_residual.h"
-#include "surface/surface.h"
+#include "fit/pixel/ward_residual.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "fit/lobe_prior.h"
+#include "fit/material/lobe_neighbour_prior.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
-#include "surface/vector_clones.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// lobe_prior.h: what the neighbours of a pixel that have its colour say about its lobe.
+// lobe_neighbour_prior.h: what the neighbours of a pixel that have its colour say about its lobe.
 //
 // Few lights show the lobe of a pixel, but neighbours of other slopes have it shown by others. Paint of one
 // material shares it (Lensch et al. 2003, "Image-based reconstruction of spatial appearance and geometric
@@ -8,9 +8,9 @@
 
 #include <vector>
 
-#include "fit/fit_errors.h"
-#include "fit/ward_residual.h"
-#include "surface/surface.h"
+#include "fit/pixel/fit_errors.h"
+#include "fit/pixel/ward_residual.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

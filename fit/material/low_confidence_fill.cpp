@@ -1,11 +1,11 @@
-#include "fit/unseen.h"
+#include "fit/material/low_confidence_fill.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "fit/slope_edges.h"
-#include "surface/parallel.h"
+#include "fit/height/slope_edges.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

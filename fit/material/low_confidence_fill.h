@@ -1,4 +1,4 @@
-// unseen.h: pixels of which the photographs hardly tell the slope, at last.
+// low_confidence_fill.h: pixels of which the photographs hardly tell the slope, at last.
 //
 // In a crack under low lamps a few photographs show some light, all from one side: a steep dark flank
 // explains them, and so does a flat bottom in the shade. By itself such a pixel takes the first for granted;
@@ -6,7 +6,7 @@
 // slopes there agree.
 #pragma once
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "fit/crevices.h"
+#include "fit/material/occluded_pixels.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// crevices.h: pixels that few lamps reach.
+// occluded_pixels.h: pixels that few lamps reach.
 //
 // Between ridges of paint most lamps of a rig are hidden, and the few that are not say little: black paint
 // with a narrow highlight explains them as well as paint in the shade does. By itself such a pixel passes for
@@ -10,10 +10,10 @@
 
 #include <vector>
 
-#include "capture/pixel_samples.h"
-#include "fit/fit_errors.h"
-#include "fit/ward_fit.h"
-#include "surface/surface.h"
+#include "capture/stack/pixel_samples.h"
+#include "fit/pixel/fit_errors.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

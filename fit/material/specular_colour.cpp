@@ -1,10 +1,10 @@
-#include "fit/lobe_colour.h"
+#include "fit/material/specular_colour.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fit/lobe_prior.h"
-#include "surface/parallel.h"
+#include "fit/material/lobe_neighbour_prior.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// lobe_colour.h: what photographs say of the colour of a pixel's lobe, and how a coloured lobe is fitted.
+// specular_colour.h: what photographs say of the colour of a pixel's lobe, and how a coloured lobe is fitted.
 //
 // A dielectric reflects all wavelengths alike at its surface, a metal has its colour from there (Cook &
 // Torrance 1982, "A reflectance model for computer graphics", sec. 4). With slope and alpha held as a white
@@ -11,9 +11,9 @@
 // the photographs are those of a white lobe and another rho_d under lamps of another colour.
 #pragma once
 
-#include "capture/pixel_samples.h"
-#include "fit/ward_fit.h"
-#include "surface/surface.h"
+#include "capture/stack/pixel_samples.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 
@@ -33,8 +33,9 @@ LobeEvidence lobe_evidence(const PixelSamples& samples, const WardEstimate& esti
 // and beyond what the matt part explains.
 Rgb lobe_colour_of(const LobeEvidence& evidence);
 
-// The same of all pixels, each with the neighbours that look like it (as kLobeReach of lobe_prior.h). Of the
-// surface diffuse and specular are read. The same bits on any number of threads.
+// The same of all pixels, each with the neighbours that look like it (as kLobeReach of
+// lobe_neighbour_prior.h). Of the surface diffuse and specular are read. The same bits on any number of
+// threads.
 Image<Rgb> lobe_colours(const Surface& surface, const Image<LobeEvidence>& evidence);
 
 // [1] Part of the strongest channel that filters, chroma of compressed pictures and the clipping of colours

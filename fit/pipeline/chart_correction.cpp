@@ -1,12 +1,12 @@
-#include "fit/chart_colours.h"
+#include "fit/pipeline/chart_correction.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "capture/survey.h"
-#include "surface/median.h"
+#include "capture/stack/survey.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

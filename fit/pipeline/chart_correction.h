@@ -1,5 +1,5 @@
-// chart_colours.h: what a colour chart that was photographed with the painting does to a fit: colours become
-// colorimetric, and reflectance absolute.
+// chart_correction.h: what a colour chart that was photographed with the painting does to a fit: colours
+// become colorimetric, and reflectance absolute.
 //
 // The fit works in the photographs' channels, each divided by what the camera sees of the lamps' light, so
 // that matt white and highlights are the same in all channels. rho_d then becomes M rho_d with the chart's
@@ -8,9 +8,9 @@
 
 #include <optional>
 
-#include "capture/stack.h"
-#include "fit/lighting.h"
-#include "surface/surface.h"
+#include "capture/stack/stack.h"
+#include "fit/pixel/lighting.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "fit/final_height.h"
+#include "fit/pipeline/final_height.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "fit/height_error.h"
-#include "fit/mixed_slopes.h"
-#include "fit/shadow_signs.h"
-#include "surface/relight.h"
+#include "fit/height/height_error.h"
+#include "fit/height/subpixel_slopes.h"
+#include "fit/light_checks/axis_check_shadows.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

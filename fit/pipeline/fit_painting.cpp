@@ -1,19 +1,19 @@
-#include "fit/fit_painting.h"
+#include "fit/pipeline/fit_painting.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "capture/colour_saturation.h"
-#include "capture/profile_colours.h"
-#include "fit/final_height.h"
-#include "fit/fit_passes.h"
-#include "fit/float_scale.h"
-#include "fit/look_over.h"
-#include "fit/odd_lights_vote.h"
-#include "fit/shot_order.h"
-#include "surface/error.h"
-#include "surface/memory_budget.h"
+#include "capture/radiometry/colour_saturation.h"
+#include "capture/stack/profile_colours.h"
+#include "fit/calibration/capture_order_gain.h"
+#include "fit/exchange/float_scale.h"
+#include "fit/light_checks/light_outlier_vote.h"
+#include "fit/pipeline/final_height.h"
+#include "fit/pipeline/fit_passes.h"
+#include "fit/pipeline/preprocess.h"
+#include "surface/base/error.h"
+#include "surface/image/memory_budget.h"
 
 namespace tangi {
 

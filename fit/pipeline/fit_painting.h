@@ -4,27 +4,27 @@
 #include <string>
 #include <vector>
 
-#include "capture/left_out.h"
-#include "capture/registration.h"
-#include "capture/sharpening.h"
-#include "capture/stack.h"
-#include "capture/transfer_estimate.h"
-#include "capture/white_balances.h"
-#include "fit/chart_colours.h"
-#include "fit/final_height.h"
-#include "fit/fit_errors.h"
-#include "fit/height.h"
-#include "fit/lamp_radius.h"
-#include "fit/law_choice.h"
-#include "fit/light_calibration.h"
-#include "fit/light_misfit.h"
-#include "fit/list_order.h"
-#include "fit/odd_lights.h"
-#include "fit/photo_misfit.h"
-#include "fit/row_fitter.h"
-#include "fit/shadow_signs.h"
-#include "fit/ward_fit.h"
-#include "surface/surface.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/radiometry/transfer_estimate.h"
+#include "capture/radiometry/white_balances.h"
+#include "capture/registration/registration.h"
+#include "capture/registration/sharpening.h"
+#include "capture/stack/stack.h"
+#include "fit/calibration/light_calibration.h"
+#include "fit/calibration/reflectance_model_selection.h"
+#include "fit/height/height.h"
+#include "fit/light_checks/axis_check_shadows.h"
+#include "fit/light_checks/light_outliers.h"
+#include "fit/light_checks/light_residual_map.h"
+#include "fit/light_checks/list_order.h"
+#include "fit/light_checks/photo_misfit.h"
+#include "fit/pipeline/chart_correction.h"
+#include "fit/pipeline/final_height.h"
+#include "fit/pipeline/row_fitter.h"
+#include "fit/pixel/fit_errors.h"
+#include "fit/pixel/ward_fit.h"
+#include "fit/shadows/light_angular_radius.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 
@@ -41,7 +41,7 @@ struct FitOptions {
     std::optional<int> coloured_lobes{};   // 1: lobes may have colours; 0: all are white; likewise
     std::optional<int> drawn_out_lobes{};  // 1: lobes may be drawn out; 0: all are isotropic; likewise
     Solver solver = Solver::batch;
-    // [deg] Angular radius of the lamps; where empty, what cast shadows say (lamp_radius.h).
+    // [deg] Angular radius of the lamps; where empty, what cast shadows say (light_angular_radius.h).
     std::optional<double> lamp_radius_deg{};
     bool refine = true;  // fit twice: the second time with neighbours' lobes and cast shadows known
     LightCalibrationOptions calibration = {};
@@ -89,7 +89,7 @@ struct FitOptions {
 };
 
 struct FitReport {
-    std::vector<LeftOut> left_out;  // photographs of the stack that are not used (look_over.h)
+    std::vector<LeftOut> left_out;  // photographs of the stack that are not used (preprocess.h)
     std::string turned_doubt;       // many photographs are turned against the others (turned_photos.h)
     Registration registration;      // how far the camera moved; empty where not asked for
     TransferEstimate transfer;      // how the photographs were linearised, and how that is known

@@ -1,4 +1,4 @@
-#include "fit/fit_passes.h"
+#include "fit/pipeline/fit_passes.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
@@ -7,17 +7,17 @@
 #include <future>
 #include <mutex>
 
-#include "fit/crevices.h"
-#include "fit/lobe_colour.h"
-#include "fit/lobe_prior.h"
-#include "fit/lobe_stretch.h"
-#include "fit/slope_edges.h"
-#include "fit/slope_prior.h"
-#include "fit/unseen.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
-#include "surface/relight.h"
+#include "fit/height/slope_edges.h"
+#include "fit/material/anisotropy_estimate.h"
+#include "fit/material/integrability_prior.h"
+#include "fit/material/lobe_neighbour_prior.h"
+#include "fit/material/low_confidence_fill.h"
+#include "fit/material/occluded_pixels.h"
+#include "fit/material/specular_colour.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

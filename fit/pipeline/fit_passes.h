@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "fit/fit_painting.h"
-#include "fit/lamps_seen.h"
+#include "fit/pipeline/fit_painting.h"
+#include "fit/shadows/light_visibility.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "fit/fit_page.h"
+#include "fit/pipeline/fit_report_page.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <numbers>
 
-#include "fit/false_colour.h"
-#include "surface/html_text.h"
-#include "surface/page_parts.h"
+#include "surface/base/html_escape.h"
+#include "surface/report/false_colour.h"
+#include "surface/report/html_report.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// fit_page.h: how a fit understood its photographs, for people: lamps, strengths, drift, transfer curve,
-// misfit, each with its uncertainty, and the maps.
+// fit_report_page.h: how a fit understood its photographs, for people: lamps, strengths, drift, transfer
+// curve, misfit, each with its uncertainty, and the maps.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
-#include "fit/fit_painting.h"
+#include "fit/pipeline/fit_painting.h"
 
 namespace tangi {
 

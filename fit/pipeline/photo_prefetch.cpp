@@ -1,11 +1,11 @@
-#include "fit/photos_ahead.h"
+#include "fit/pipeline/photo_prefetch.h"
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

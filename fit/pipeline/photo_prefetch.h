@@ -1,10 +1,11 @@
-// photos_ahead.h: the photographs of a stack as stored, one after the other, the next one decoded meanwhile.
+// photo_prefetch.h: the photographs of a stack as stored, one after the other, the next one decoded
+// meanwhile.
 #pragma once
 
 #include <future>
 #include <vector>
 
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 
 namespace tangi {
 

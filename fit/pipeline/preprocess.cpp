@@ -1,12 +1,12 @@
-#include "fit/look_over.h"
+#include "fit/pipeline/preprocess.h"
 
 #include <algorithm>
 
-#include "capture/compression.h"
-#include "capture/full_scale.h"
-#include "capture/stray_photos.h"
-#include "capture/transfer_decision.h"
-#include "fit/turned_photos.h"
+#include "capture/radiometry/full_scale.h"
+#include "capture/radiometry/transfer_decision.h"
+#include "capture/stack/compression.h"
+#include "capture/stack/duplicate_photos.h"
+#include "fit/light_checks/turned_photos.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-// look_over.h: the first look at all photographs of a stack: which are usable, how they are encoded, how the
+// preprocess.h: the first look at all photographs of a stack: which are usable, how they are encoded, how the
 // camera moved.
 #pragma once
 
-#include "capture/left_out.h"
-#include "capture/registration.h"
-#include "capture/sharpening.h"
-#include "capture/survey.h"
-#include "capture/transfer_estimate.h"
-#include "fit/list_order.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/radiometry/transfer_estimate.h"
+#include "capture/registration/registration.h"
+#include "capture/registration/sharpening.h"
+#include "capture/stack/survey.h"
+#include "fit/light_checks/list_order.h"
 
 namespace tangi {
 
@@ -34,9 +34,9 @@ struct LookOver {
 LookOver look_over(Stack& stack, bool register_photos, const Progress& progress);
 
 // The part of it that knows nothing of lights: takes photographs that are damaged, or the same picture as
-// another (stray_photos.h), out of stack.photos, with a warning for each, and returns them. Throws Error as
-// require_few(), at least one being left.
-// `kept`: where to put the survey of those that stay; null where nobody asks.
+// another (duplicate_photos.h), out of stack.photos, with a warning for each, and returns them. Throws Error
+// as require_few(), at least one being left. `kept`: where to put the survey of those that stay; null where
+// nobody asks.
 std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress,
                                                   Survey* kept = nullptr);
 

@@ -1,10 +1,10 @@
-#include "fit/row_fitter.h"
+#include "fit/pipeline/row_fitter.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fit/crevices.h"
-#include "fit/lobe_colour.h"
+#include "fit/material/occluded_pixels.h"
+#include "fit/material/specular_colour.h"
 
 namespace tangi {
 

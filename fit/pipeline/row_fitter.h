@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
-#include "fit/batch_sampler.h"
-#include "fit/lamps_seen.h"
-#include "fit/lighting.h"
-#include "fit/ward_batch.h"
-#include "fit/ward_fit.h"
-#include "surface/cast_shadows.h"
+#include "fit/pixel/batch_sampler.h"
+#include "fit/pixel/lighting.h"
+#include "fit/pixel/ward_batch.h"
+#include "fit/pixel/ward_fit.h"
+#include "fit/shadows/light_visibility.h"
+#include "surface/render/cast_shadows.h"
 
 namespace tangi {
 

@@ -1,18 +1,18 @@
-#include "fit/batch_sampler.h"
+#include "fit/pixel/batch_sampler.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
-#include "surface/vector_targets.h"  // before Highway
+#include "surface/base/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit/batch_sampler.cpp"
+#define HWY_TARGET_INCLUDE "fit/pixel/batch_sampler.cpp"
 #include <hwy/foreach_target.h>
 
-#include "fit/ward_vector-inl.h"
+#include "fit/pixel/ward_vector-inl.h"
 
 #ifndef TANGI_BATCH_SAMPLER_ONCE
 #define TANGI_BATCH_SAMPLER_ONCE
@@ -32,7 +32,7 @@ HWY_BEFORE_NAMESPACE();
 namespace tangi {
 namespace HWY_NAMESPACE {
 
-// As bent() of surface/light.cpp.
+// As bent() of surface/maps/light.cpp.
 HWY_INLINE void bend(V rx, V ry, V length2, V& x, V& y, V& z) {
     const V turned_x = fma(rx, z, x), turned_y = fma(ry, z, y), turned_z = fnma(rx, x, fnma(ry, y, z));
     const V turned2 = fma(turned_x, turned_x, fma(turned_y, turned_y, hn::Mul(turned_z, turned_z)));

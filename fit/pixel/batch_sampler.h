@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "capture/stack.h"
-#include "fit/lighting.h"
-#include "fit/ward_batch.h"
-#include "surface/surface.h"
+#include "capture/stack/stack.h"
+#include "fit/pixel/lighting.h"
+#include "fit/pixel/ward_batch.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
-#include "fit/fit_errors.h"
+#include "fit/pixel/fit_errors.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "surface/image.h"
-#include "surface/painting_parts.h"
+#include "surface/image/image.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "fit/lighting.h"
+#include "fit/pixel/lighting.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "capture/survey.h"
+#include "capture/stack/survey.h"
 
 namespace tangi {
 

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "capture/pixel_samples.h"
-#include "surface/colour.h"
-#include "surface/light.h"
+#include "capture/stack/pixel_samples.h"
+#include "surface/image/colour.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

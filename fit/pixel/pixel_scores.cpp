@@ -1,10 +1,10 @@
-#include "fit/pixel_scores.h"
+#include "fit/pixel/pixel_scores.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "surface/median.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

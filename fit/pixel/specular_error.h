@@ -1,10 +1,10 @@
-// lobe_error.h: the standard error of rho_s where alpha is not well known.
+// specular_error.h: the standard error of rho_s where alpha is not well known.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
-#include "fit/ward_residual.h"
+#include "fit/pixel/ward_residual.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "fit/ward_batch.h"
+#include "fit/pixel/ward_batch.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fit/lobe_error.h"
-#include "fit/ward_kernel.h"
-#include "surface/error.h"
+#include "fit/pixel/specular_error.h"
+#include "fit/pixel/ward_kernel.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

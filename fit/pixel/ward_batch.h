@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/pixel_samples.h"
-#include "fit/ward_fit.h"
-#include "surface/vector_targets.h"
+#include "capture/stack/pixel_samples.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/base/vector_targets.h"
 
 namespace tangi {
 
@@ -121,11 +121,5 @@ private:
     WardScratch scratch_;
     std::vector<WardSolution> solutions_;
 };
-
-// Instruction sets that the kernel can use on this machine, best first, and which one it uses from now on
-// (for tests and benchmarks; not while a fit runs). Sets with fused multiplication (AVX2, AVX-512, NEON) give
-// the same bits; others differ by rounding.
-std::vector<std::string> ward_instruction_sets();
-void use_ward_instruction_set(const std::string& name);  // empty: the best again
 
 }  // namespace tangi

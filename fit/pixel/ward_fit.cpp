@@ -1,4 +1,4 @@
-#include "fit/ward_fit.h"
+#include "fit/pixel/ward_fit.h"
 
 #include <ceres/tiny_solver.h>
 
@@ -8,7 +8,7 @@
 #include <array>
 #include <glm/geometric.hpp>
 
-#include "fit/lobe_error.h"
+#include "fit/pixel/specular_error.h"
 
 namespace tangi {
 

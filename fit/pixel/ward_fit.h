@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 
-#include "capture/photometric_stereo.h"
-#include "capture/pixel_samples.h"
-#include "fit/ward_residual.h"
-#include "surface/options.h"
+#include "capture/radiometry/photometric_stereo.h"
+#include "capture/stack/pixel_samples.h"
+#include "fit/pixel/ward_residual.h"
+#include "surface/base/options.h"
 
 namespace tangi {
 
@@ -42,8 +42,8 @@ struct WardEstimate {
     glm::dvec3 diffuse{0};       // [1] rho_d
     double specular = 0;         // [1] rho_s
     double roughness = 0.3;      // [1] alpha
-    glm::dvec3 lobe_colour{1};   // [1] that was given (lobe_colour.h), as in surface.h
-    glm::dvec2 stretch{0};       // [1] that was given, likewise (surface/anisotropy.h)
+    glm::dvec3 lobe_colour{1};   // [1] that was given (specular_colour.h), as in surface.h
+    glm::dvec2 stretch{0};       // [1] that was given, likewise (surface/reflectance/anisotropy.h)
     double diffuse_error = 0;    // [1] standard error of rho_d, root of the mean variance of the channels
     double slope_error = 0;      // [1] standard error of the slope, root of the mean of both variances
     double specular_error = 0;   // [1]

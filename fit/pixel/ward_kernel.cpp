@@ -1,18 +1,18 @@
 // ward_kernel.cpp: Levenberg-Marquardt on the lanes of vector registers: run_ward_slots().
 //
 // The block of the diffuse channels in J^T J is diagonal and eliminated first.
-#include "fit/ward_kernel.h"
+#include "fit/pixel/ward_kernel.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/vector_targets.h"  // before Highway
+#include "surface/base/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit/ward_kernel.cpp"
+#define HWY_TARGET_INCLUDE "fit/pixel/ward_kernel.cpp"
 #include <hwy/foreach_target.h>
 
-#include "fit/ward_system-inl.h"
+#include "fit/pixel/ward_system-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tangi {
@@ -252,20 +252,6 @@ HWY_EXPORT(RunSlots);
 
 void run_ward_slots(WardSlots& slots, const WardFitOptions& options, int fewest) {
     HWY_DYNAMIC_DISPATCH(RunSlots)(slots, options, fewest);
-}
-
-std::vector<std::string> ward_instruction_sets() {
-    std::vector<std::string> names;
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
-        names.push_back(hwy::TargetName(target));
-    return names;
-}
-
-void use_ward_instruction_set(const std::string& name) {
-    hwy::SetSupportedTargetsForTest(0);
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
-        if (name == hwy::TargetName(target)) hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 }  // namespace tangi

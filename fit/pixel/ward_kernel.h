@@ -1,7 +1,7 @@
 // ward_kernel.h: the two vector routines behind WardBatchFitter.
 #pragma once
 
-#include "fit/ward_batch.h"
+#include "fit/pixel/ward_batch.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "fit/ward_residual.h"
+#include "fit/pixel/ward_residual.h"
 
 #include <algorithm>
 

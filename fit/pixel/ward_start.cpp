@@ -4,15 +4,15 @@
 #include <array>
 #include <cmath>
 
-#include "fit/ward_kernel.h"
+#include "fit/pixel/ward_kernel.h"
 
-#include "surface/vector_targets.h"  // before Highway
+#include "surface/base/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit/ward_start.cpp"
+#define HWY_TARGET_INCLUDE "fit/pixel/ward_start.cpp"
 #include <hwy/foreach_target.h>
 
-#include "fit/ward_stereo-inl.h"
+#include "fit/pixel/ward_stereo-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tangi {

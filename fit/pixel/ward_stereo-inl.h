@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/photometric_stereo.h"
-#include "fit/ward_vector-inl.h"
+#include "capture/radiometry/photometric_stereo.h"
+#include "fit/pixel/ward_vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tangi {

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-#include "fit/ward_vector-inl.h"
+#include "fit/pixel/ward_vector-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tangi {

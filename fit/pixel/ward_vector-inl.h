@@ -11,8 +11,8 @@
 
 #include <numbers>
 
-#include "fit/ward_batch.h"
-#include "surface/simd_math-inl.h"
+#include "fit/pixel/ward_batch.h"
+#include "surface/base/simd_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tangi {
@@ -58,8 +58,8 @@ HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
     return g;
 }
 
-// How lobes are drawn out (surface/anisotropy.h), and the frame of the tangent plane. Lanes without a stretch
-// come to the same bits whether others have one or not.
+// How lobes are drawn out (surface/reflectance/anisotropy.h), and the frame of the tangent plane. Lanes
+// without a stretch come to the same bits whether others have one or not.
 struct Shape {
     bool some;  // a lane has a stretch
     V c, a, b;
@@ -108,7 +108,7 @@ HWY_INLINE V draws_out(const Shape& shape, const Facing& f, const Geometry& g, c
     return hn::Mul(all(2), hn::MulSub(sum, d.inverse_h_n2, hn::Mul(hn::Mul(d.part, g.inverse_h_n), dh_n)));
 }
 
-// The reflectance law of surface/ward.h on all lanes.
+// The reflectance law of surface/reflectance/ward.h on all lanes.
 struct Law {
     bool rough, hazy;
     V roughness, scale;  // of the diffuse reflection, as rough_diffuse() has them
@@ -120,7 +120,7 @@ HWY_INLINE Law law_of(const ReflectanceLaw& law) {
     return {roughness > 0, haze > 0, all(roughness), all(scale), all(1 - haze), all(haze)};
 }
 
-// rough_diffuse() of surface/diffuse.h; of any use only where the light is above the surface.
+// rough_diffuse() of surface/reflectance/oren_nayar.h; of any use only where the light is above the surface.
 struct Diffuse {
     V value, by_n_l, by_n_v;
 };

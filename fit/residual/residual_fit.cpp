@@ -1,4 +1,4 @@
-#include "fit/faithful_fit.h"
+#include "fit/residual/residual_fit.h"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -7,12 +7,12 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "capture/survey.h"
-#include "fit/faithful_kernel.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
-#include "surface/relight.h"
+#include "capture/stack/survey.h"
+#include "fit/residual/residual_kernel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

@@ -1,4 +1,5 @@
-// faithful_fit.h: what the photographs of a stack show beyond a fitted surface (surface/faithful.h).
+// residual_fit.h: what the photographs of a stack show beyond a fitted surface
+// (surface/render/relighting_residual.h).
 //
 // Gaussian-process regression (Rasmussen, Williams 2006, ch. 2) of the residual over the light's direction,
 // with one kernel for all pixels, so that every pixel takes the same few matrix products. Kernel, reach and
@@ -10,9 +11,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/stack.h"
-#include "surface/faithful.h"
-#include "surface/options.h"
+#include "capture/stack/stack.h"
+#include "surface/base/options.h"
+#include "surface/render/relighting_residual.h"
 
 namespace tangi {
 

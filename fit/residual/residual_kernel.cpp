@@ -1,4 +1,4 @@
-#include "fit/faithful_kernel.h"
+#include "fit/residual/residual_kernel.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 namespace tangi::faithful {
 

@@ -1,5 +1,5 @@
-// faithful_kernel.h: with which kernel the residuals of faithful mode are predicted best from one another.
-// For faithful_fit.cpp alone: names of its own namespace, and Eigen.
+// residual_kernel.h: with which kernel the residuals of faithful mode are predicted best from one another.
+// For residual_fit.cpp alone: names of its own namespace, and Eigen.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "fit/faithful_fit.h"
-#include "surface/colour.h"
+#include "fit/residual/residual_fit.h"
+#include "surface/image/colour.h"
 
 namespace tangi::faithful {
 

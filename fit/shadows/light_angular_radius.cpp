@@ -1,9 +1,9 @@
-#include "fit/lamp_radius.h"
+#include "fit/shadows/light_angular_radius.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fit/shadow_signs.h"
+#include "fit/light_checks/axis_check_shadows.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-// lamp_radius.h: how large lamps look from the painting, by how soft the shadows are that they cast.
+// light_angular_radius.h: how large lamps look from the painting, by how soft the shadows are that they cast.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "capture/survey.h"
-#include "fit/lighting.h"
-#include "surface/surface.h"
+#include "capture/stack/survey.h"
+#include "fit/pixel/lighting.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "fit/lamps_seen.h"
+#include "fit/shadows/light_visibility.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
-#include "surface/vector_clones.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

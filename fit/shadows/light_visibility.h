@@ -1,4 +1,4 @@
-// lamps_seen.h: which lamps reach a pixel past the relief and which do not, as its photographs show.
+// light_visibility.h: which lamps reach a pixel past the relief and which do not, as its photographs show.
 #pragma once
 
 #include <cstddef>
@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "fit/lighting.h"
-#include "fit/ward_batch.h"
-#include "surface/cast_shadows.h"
-#include "surface/surface.h"
+#include "fit/pixel/lighting.h"
+#include "fit/pixel/ward_batch.h"
+#include "surface/maps/surface.h"
+#include "surface/render/cast_shadows.h"
 
 namespace tangi {
 

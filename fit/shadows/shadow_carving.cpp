@@ -1,13 +1,13 @@
-#include "fit/shadow_carving.h"
+#include "fit/shadows/shadow_carving.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numeric>
 
-#include "fit/height_rows.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "fit/height/height_rows.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -6,10 +6,10 @@
 // with slopes: Yu & Chang 2005, "Shadow graphs and 3D texture reconstruction").
 #pragma once
 
-#include "fit/lamps_seen.h"
-#include "fit/lighting.h"
-#include "fit/slope_edges.h"
-#include "surface/progress.h"
+#include "fit/height/slope_edges.h"
+#include "fit/pixel/lighting.h"
+#include "fit/shadows/light_visibility.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "paint/bristle_loads.h"
+#include "paint/brush/bristle_loads.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
-#include "surface/vector_clones.h"
+#include "surface/base/error.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

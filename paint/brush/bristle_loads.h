@@ -10,7 +10,7 @@
 
 #include <vector>
 
-#include "paint/paint_layer.h"
+#include "paint/canvas/paint_layer.h"
 
 namespace tangi {
 

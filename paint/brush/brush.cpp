@@ -1,4 +1,4 @@
-#include "paint/brush.h"
+#include "paint/brush/brush.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <map>
 #include <numeric>
 
-#include "paint/transfer.h"
-#include "surface/error.h"
+#include "paint/exchange/transfer.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -9,14 +9,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "paint/bristle_loads.h"
-#include "paint/bristle_rows.h"
-#include "paint/brush_settings.h"
-#include "paint/brush_tip.h"
-#include "paint/canvas.h"
-#include "paint/press_out.h"
-#include "paint/tip_outline.h"
-#include "paint/transfer.h"
+#include "paint/brush/bristle_loads.h"
+#include "paint/brush/brush_settings.h"
+#include "paint/brush/brush_tip.h"
+#include "paint/canvas/canvas.h"
+#include "paint/exchange/bristle_rows.h"
+#include "paint/exchange/squeeze_out.h"
+#include "paint/exchange/tip_footprint.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "paint/brush.h"
+#include "paint/brush/brush.h"
 
 namespace tangi {
 

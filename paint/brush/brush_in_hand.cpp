@@ -1,4 +1,4 @@
-#include "paint/brush_in_hand.h"
+#include "paint/brush/brush_in_hand.h"
 
 #include <algorithm>
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "paint/brush.h"
-#include "paint/canvas.h"
+#include "paint/brush/brush.h"
+#include "paint/canvas/canvas.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "paint/brush_settings.h"
+#include "paint/brush/brush_settings.h"
 
 #include <algorithm>
 #include <array>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/options.h"
+#include "surface/base/options.h"
 
 namespace tangi {
 

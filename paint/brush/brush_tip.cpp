@@ -1,11 +1,11 @@
-#include "paint/brush_tip.h"
+#include "paint/brush/brush_tip.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-#include "surface/noise.h"
+#include "surface/base/noise.h"
 
 namespace tangi {
 

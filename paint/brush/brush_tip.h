@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "paint/bristle_rows.h"
-#include "paint/brush_settings.h"
+#include "paint/brush/brush_settings.h"
+#include "paint/exchange/bristle_rows.h"
 
 namespace tangi {
 

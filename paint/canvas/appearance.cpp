@@ -1,4 +1,4 @@
-#include "paint/appearance.h"
+#include "paint/canvas/appearance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +6,13 @@
 #include <mutex>
 #include <set>
 
-#include "paint/appearance_part.h"
-#include "paint/appearance_rows.h"
-#include "paint/appearance_slopes.h"
-#include "paint/kubelka_munk.h"
-#include "surface/anisotropy.h"
-#include "surface/parallel.h"
-#include "surface/surface_part.h"
+#include "paint/canvas/appearance_part.h"
+#include "paint/canvas/appearance_rows.h"
+#include "paint/canvas/appearance_slopes.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/parallel.h"
+#include "surface/maps/surface_part.h"
+#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 

@@ -13,11 +13,11 @@
 #include <span>
 #include <string_view>
 
-#include "paint/canvas.h"
-#include "paint/spectrum.h"
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/spectrum.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 
@@ -56,7 +56,7 @@ std::shared_ptr<const Surface> shown(const Canvas& canvas, const AppearanceOptio
                                      const Progress& progress = {});
 
 // [1] Part of each pixel, 0..1, that no paint covers: what is left there of what photographs showed beyond
-// the dry surface (surface/faithful.h). Empty where nothing was painted.
+// the dry surface (surface/render/relighting_residual.h). Empty where nothing was painted.
 Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options = {});
 
 // Brings a surface that appearance() made up to date where the canvas has changed: `changed` are parts of it

@@ -1,7 +1,7 @@
 // appearance_part.h: a part of a painted canvas as a Surface, for what looks at some places of a large one.
 #pragma once
 
-#include "paint/appearance.h"
+#include "paint/canvas/appearance.h"
 
 namespace tangi {
 

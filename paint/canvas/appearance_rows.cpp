@@ -1,10 +1,10 @@
 // Loops for vector instructions; CMakeLists.txt gives this file the flags for them.
-#include "paint/appearance_rows.h"
+#include "paint/canvas/appearance_rows.h"
 
 #include <algorithm>
 #include <array>
 
-#include "paint/exp_lanes.h"
+#include "paint/optics/exp_lanes.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

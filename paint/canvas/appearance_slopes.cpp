@@ -1,10 +1,10 @@
-#include "paint/appearance_slopes.h"
+#include "paint/canvas/appearance_slopes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "paint/appearance_rows.h"
+#include "paint/canvas/appearance_rows.h"
 
 namespace tangi {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "paint/canvas.h"
-#include "surface/surface.h"
+#include "paint/canvas/canvas.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

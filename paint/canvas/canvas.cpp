@@ -1,11 +1,11 @@
-#include "paint/canvas.h"
+#include "paint/canvas/canvas.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/kubelka_munk.h"
-#include "paint/settle.h"
-#include "surface/error.h"
+#include "paint/canvas/quantise_volumes.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

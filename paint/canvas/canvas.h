@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "paint/canvas_part.h"
-#include "paint/paint_layer.h"
-#include "paint/pigment.h"
-#include "surface/surface.h"
+#include "paint/canvas/canvas_part.h"
+#include "paint/canvas/paint_layer.h"
+#include "paint/optics/pigment.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 
@@ -69,7 +69,7 @@ public:
 
     void mark_dirty(TileIndex tile) { mark_dirty(tile, wet_.region_of(tile)); }
     void mark_dirty(TileIndex tile, const Region& part);
-    // Changed, but by less than can be seen (settle.h).
+    // Changed, but by less than can be seen (quantise_volumes.h).
     void mark_settled(TileIndex tile, const Region& part);
     // What changed since the last call: a part of each tile that did, tile by tile.
     std::vector<Region> take_dirty();

@@ -1,4 +1,4 @@
-#include "paint/canvas_hash.h"
+#include "paint/canvas/canvas_hash.h"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "paint/canvas.h"
+#include "paint/canvas/canvas.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "paint/canvas_part.h"
+#include "paint/canvas/canvas_part.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

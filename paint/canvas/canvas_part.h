@@ -4,8 +4,8 @@
 #include <variant>
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/row_span.h"
+#include "surface/image/image.h"
+#include "surface/image/row_span.h"
 
 namespace tangi {
 

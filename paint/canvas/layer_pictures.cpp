@@ -1,9 +1,9 @@
-#include "paint/layer_pictures.h"
+#include "paint/canvas/layer_pictures.h"
 
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

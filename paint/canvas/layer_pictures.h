@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "paint/appearance.h"
-#include "paint/canvas.h"
+#include "paint/canvas/appearance.h"
+#include "paint/canvas/canvas.h"
 
 namespace tangi {
 

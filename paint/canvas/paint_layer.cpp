@@ -1,9 +1,9 @@
-#include "paint/paint_layer.h"
+#include "paint/canvas/paint_layer.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

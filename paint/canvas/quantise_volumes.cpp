@@ -1,11 +1,11 @@
-#include "paint/settle.h"
+#include "paint/canvas/quantise_volumes.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "surface/vector_clones.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

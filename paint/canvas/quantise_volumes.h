@@ -1,7 +1,7 @@
-// settle.h: paint that comes to rest lies on a grid of volumes.
+// quantise_volumes.h: paint that comes to rest lies on a grid of volumes.
 #pragma once
 
-#include "paint/paint_layer.h"
+#include "paint/canvas/paint_layer.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/tile_store.h"
+#include "paint/canvas/tile_store.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "surface/error.h"
-#include "surface/nameless_file.h"
+#include "surface/base/error.h"
+#include "surface/file/anonymous_temp_file.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "paint/paint_layer.h"
+#include "paint/canvas/paint_layer.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/blade_face.h"
+#include "paint/exchange/blade_face.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // blade_face.h: paint that a blade heaps up before it climbs its face, and stays there.
 #pragma once
 
-#include "paint/transfer.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "paint/bristle_lanes.h"
+#include "paint/exchange/bristle_lanes.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/noise.h"
+#include "surface/base/noise.h"
 
 namespace tangi {
 

@@ -8,7 +8,7 @@
 namespace tangi {
 
 // Random factors [1] of the transfer, about 1, across the brush's way: lane i begins first_px + i / kPerPixel
-// to the right of its middle (brush_sides.h). What lies beyond the last lanes counts to them.
+// to the right of its middle (edge_pressure.h). What lies beyond the last lanes counts to them.
 struct BristleLanes {
     static constexpr float kPerPixel = 2, kEven = 1;
     const float* factor = &kEven;

@@ -1,9 +1,9 @@
-#include "paint/bristle_rows.h"
+#include "paint/exchange/bristle_rows.h"
 
 #include <algorithm>
 
-#include "paint/transfer.h"
-#include "surface/vector_clones.h"
+#include "paint/exchange/transfer.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

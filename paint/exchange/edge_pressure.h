@@ -1,4 +1,4 @@
-// brush_sides.h: where a brush's pressure ends at either side of its way: what it presses out there becomes
+// edge_pressure.h: where a brush's pressure ends at either side of its way: what it presses out there becomes
 // the stroke's lips.
 #pragma once
 

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "paint/exchange_rows.h"
-#include "paint/paint_layer.h"
-#include "paint/transfer.h"
-#include "surface/vector_clones.h"
+#include "paint/canvas/paint_layer.h"
+#include "paint/exchange/exchange_rows.h"
+#include "paint/exchange/transfer.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

@@ -2,7 +2,7 @@
 // (transfer.h).
 #pragma once
 
-#include "paint/transfer.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

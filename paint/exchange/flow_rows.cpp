@@ -1,10 +1,10 @@
-#include "paint/flow_rows.h"
+#include "paint/exchange/flow_rows.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "surface/vector_clones.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "paint/transfer.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

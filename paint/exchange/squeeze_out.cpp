@@ -1,9 +1,9 @@
-#include "paint/press_out.h"
+#include "paint/exchange/squeeze_out.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/vector_clones.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// press_out.h: what a brush drives out from under it where it is pressed down and stands, as at either end of
-// a stroke and in a dab: it stays as a rim.
+// squeeze_out.h: what a brush drives out from under it where it is pressed down and stands, as at either end
+// of a stroke and in a dab: it stays as a rim.
 #pragma once
 
 #include <vector>
 
-#include "paint/bristle_rows.h"
-#include "paint/transfer.h"
+#include "paint/exchange/bristle_rows.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-// tip_outline.h: which columns of a row of pixels a turned tip meets at most.
+// tip_footprint.h: which columns of a row of pixels a turned tip meets at most.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/transfer.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "paint/transfer.h"
+#include "paint/exchange/transfer.h"
 
 #include <algorithm>
 
-#include "paint/exchange_rows.h"
-#include "paint/flow_rows.h"
-#include "surface/parallel.h"
+#include "paint/exchange/exchange_rows.h"
+#include "paint/exchange/flow_rows.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -12,9 +12,9 @@
 #include <functional>
 #include <vector>
 
-#include "paint/bristle_lanes.h"
-#include "paint/brush_sides.h"
-#include "surface/row_span.h"
+#include "paint/exchange/bristle_lanes.h"
+#include "paint/exchange/edge_pressure.h"
+#include "surface/image/row_span.h"
 
 namespace tangi {
 

@@ -1,16 +1,16 @@
-#include "paint/canvas_file.h"
+#include "paint/files/canvas_file.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "paint/appearance_part.h"
-#include "paint/paint_parts.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/overview.h"
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
+#include "paint/canvas/appearance_part.h"
+#include "paint/files/paint_parts.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/painting_file/overview.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

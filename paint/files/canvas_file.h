@@ -11,10 +11,10 @@
 #include <optional>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "surface/atomic_file.h"
-#include "surface/painting_parts.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "surface/base/progress.h"
+#include "surface/file/atomic_file.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/ora_file.h"
+#include "paint/files/ora_file.h"
 
 #include <zip.h>
 
@@ -6,13 +6,13 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "paint/canvas_file.h"
-#include "paint/layer_pictures.h"
-#include "paint/paint_words.h"
-#include "surface/error.h"
-#include "surface/html_text.h"
-#include "surface/memory_error.h"
-#include "surface/png_bytes.h"
+#include "paint/canvas/layer_pictures.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/paint_metadata.h"
+#include "surface/base/error.h"
+#include "surface/base/html_escape.h"
+#include "surface/base/memory_error.h"
+#include "surface/report/png_encode.h"
 
 namespace tangi {
 

@@ -3,16 +3,16 @@
 //
 // Colours are the paints' (rho_d), without light. Further members, which those programs leave alone:
 // tangipaint/height.png (16 bit, 0..1 between the heights that painting.json says), tangipaint/painting.json
-// (scale, heights, and the paints of each layer as paint_words.h has them), and tangipaint/painting.exr, the
-// painting file itself with every recipe.
+// (scale, heights, and the paints of each layer as paint_metadata.h has them), and tangipaint/painting.exr,
+// the painting file itself with every recipe.
 #pragma once
 
 #include <span>
 
-#include "paint/canvas.h"
-#include "surface/atomic_file.h"
-#include "surface/painting_parts.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "surface/base/progress.h"
+#include "surface/file/atomic_file.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
-#include "paint/paint_words.h"
-#include "surface/height_unit.h"
+#include "paint/files/paint_metadata.h"
+#include "surface/maps/height_unit.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
-// paint_words.h: what exported files say of paints, for who reads them without this program.
+// paint_metadata.h: what exported files say of paints, for who reads them without this program.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "paint/canvas.h"
+#include "paint/canvas/canvas.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "paint/paint_parts.h"
+#include "paint/files/paint_parts.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "surface/painting_parts.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "surface/base/progress.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,15 +1,15 @@
-#include "paint/tools_file.h"
+#include "paint/files/palette_part.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "paint/mixing_board.h"
-#include "paint/paint_parts.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "paint/files/paint_parts.h"
+#include "paint/session/mixing_board.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

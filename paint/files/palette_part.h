@@ -1,4 +1,4 @@
-// tools_file.h: what lies beside a painting while it is painted, in its file: the palette with all that was
+// palette_part.h: what lies beside a painting while it is painted, in its file: the palette with all that was
 // mixed on it, and the brush with what is on it. A sitting that goes on with them paints the same bits as one
 // that was never interrupted.
 //
@@ -11,8 +11,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "paint/session.h"
-#include "surface/painting_parts.h"
+#include "paint/session/session.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/drawdown.h"
+#include "paint/optics/drawdown_card.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "paint/kubelka_munk.h"
-#include "surface/error.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// drawdown.h: a palette as a paint maker shows it: every paint on a card, by itself, with white, and drawn
-// out over black and white.
+// drawdown_card.h: a palette as a paint maker shows it: every paint on a card, by itself, with white, and
+// drawn out over black and white.
 #pragma once
 
-#include "paint/palette.h"
-#include "surface/image.h"
-#include "surface/options.h"
-#include "surface/progress.h"
+#include "paint/optics/palette.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "surface/vector_clones.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

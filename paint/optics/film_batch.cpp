@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "paint/exp_lanes.h"
-#include "paint/kubelka_munk.h"
-#include "surface/error.h"
+#include "paint/optics/exp_lanes.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
-#include "paint/kubelka_munk.h"
+#include "paint/optics/kubelka_munk.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "paint/pigment.h"
-#include "paint/spectrum.h"
+#include "paint/optics/pigment.h"
+#include "paint/optics/spectrum.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/palette.h"
+#include "paint/optics/palette.h"
 
 #include <fmt/ranges.h>
 
@@ -8,12 +8,12 @@
 #include <set>
 #include <vector>
 
-#include "paint/artist_acrylics_json.h"
-#include "paint/kubelka_munk.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
-#include "surface/letter_case.h"
+#include "paint/optics/artist_acrylics_json.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "paint/pigment.h"
+#include "paint/optics/pigment.h"
 
 namespace tangi {
 

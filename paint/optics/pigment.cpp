@@ -1,10 +1,10 @@
-#include "paint/pigment.h"
+#include "paint/optics/pigment.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/kubelka_munk.h"
-#include "surface/error.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

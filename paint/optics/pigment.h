@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "paint/spectrum.h"
-#include "surface/options.h"
+#include "paint/optics/spectrum.h"
+#include "surface/base/options.h"
 
 namespace tangi {
 
@@ -25,7 +25,7 @@ struct Pigment {
     Spectrum k{}, s{};  // absorption and scattering of the dry paint [1/mm]
     PigmentOrigin origin = PigmentOrigin::measured;
     std::string source;  // who measured it; empty where nobody says
-    // The surface of a thick film of it: Ward's rho_s and alpha (surface/ward.h).
+    // The surface of a thick film of it: Ward's rho_s and alpha (surface/reflectance/ward.h).
     float specular = 0.04f;
     float roughness = 0.15f;
     float medium = 0;  // [1] part of it, by volume, that is clear medium which was stirred in (PaintFinish)

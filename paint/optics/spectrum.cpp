@@ -1,11 +1,11 @@
-#include "paint/spectrum.h"
+#include "paint/optics/spectrum.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "paint/spectrum_tables.h"
+#include "paint/optics/spectrum_tables.h"
 
 namespace tangi {
 
@@ -25,7 +25,7 @@ double dot(const Spectrum& a, const Spectrum& b) {
 
 // From XYZ under the lamp to linear Rec. 709 under D65, white to white.
 glm::dmat3 rgb_of_xyz(Illuminant illuminant) {
-    // By columns, as glm has them; the same matrices as in surface/colour.cpp.
+    // By columns, as glm has them; the same matrices as in surface/image/colour.cpp.
     const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
     const glm::dmat3 xyz_of_rgb(0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375,
                                 0.0721750, 0.9503041);

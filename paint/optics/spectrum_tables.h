@@ -2,7 +2,7 @@
 // found.
 #pragma once
 
-#include "paint/spectrum.h"
+#include "paint/optics/spectrum.h"
 
 namespace tangi {
 

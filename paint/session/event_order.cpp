@@ -1,4 +1,4 @@
-#include "paint/event_order.h"
+#include "paint/session/event_order.h"
 
 #include <fmt/format.h>
 

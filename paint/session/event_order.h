@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "paint/journal_event.h"
+#include "paint/session/journal_event.h"
 
 namespace tangi {
 

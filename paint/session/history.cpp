@@ -1,6 +1,6 @@
-#include "paint/history.h"
+#include "paint/session/history.h"
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "paint/brush_in_hand.h"
-#include "paint/canvas.h"
-#include "paint/tile_store.h"
+#include "paint/brush/brush_in_hand.h"
+#include "paint/canvas/canvas.h"
+#include "paint/canvas/tile_store.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "paint/journal.h"
+#include "paint/session/journal.h"
 
 #include <algorithm>
 
-#include "paint/journal_file_text.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "paint/session/journal_file_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "paint/event_order.h"
-#include "paint/journal_event.h"
-#include "surface/append_file.h"
+#include "paint/session/event_order.h"
+#include "paint/session/journal_event.h"
+#include "surface/file/append_file.h"
 
 namespace tangi {
 

@@ -10,10 +10,10 @@
 #include <variant>
 #include <vector>
 
-#include "paint/brush_settings.h"
-#include "paint/palette.h"
-#include "paint/pigment.h"
-#include "paint/stroke.h"
+#include "paint/brush/brush_settings.h"
+#include "paint/optics/palette.h"
+#include "paint/optics/pigment.h"
+#include "paint/stroke/stroke.h"
 
 namespace tangi {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "paint/journal.h"
+#include "paint/session/journal.h"
 
 namespace tangi {
 

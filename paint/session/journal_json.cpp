@@ -2,9 +2,9 @@
 #include <array>
 #include <set>
 
-#include "paint/journal.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "paint/session/journal.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

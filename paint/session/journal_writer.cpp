@@ -1,9 +1,9 @@
 // journal_writer.cpp: of journals: their text, and files that are written event by event.
-#include "paint/journal.h"
-#include "paint/journal_file_text.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "paint/session/journal.h"
+#include "paint/session/journal_file_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "paint/mixing_board.h"
+#include "paint/session/mixing_board.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -3,8 +3,8 @@
 // so that a brush carries what is on each of its bristles from one to the other.
 #pragma once
 
-#include "paint/canvas.h"
-#include "paint/journal.h"
+#include "paint/canvas/canvas.h"
+#include "paint/session/journal.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "paint/session.h"
+#include "paint/session/session.h"
 
 #include <algorithm>
 
-#include "paint/mixing_board.h"
-#include "surface/error.h"
-#include "surface/noise.h"
+#include "paint/session/mixing_board.h"
+#include "surface/base/error.h"
+#include "surface/base/noise.h"
 
 namespace tangi {
 

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "paint/history.h"
-#include "paint/journal.h"
-#include "paint/palette.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/palette.h"
+#include "paint/session/history.h"
+#include "paint/session/journal.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

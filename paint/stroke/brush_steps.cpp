@@ -1,12 +1,12 @@
-#include "paint/dabs.h"
+#include "paint/stroke/brush_steps.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/blade_face.h"
-#include "paint/load_rows.h"
-#include "paint/step_rates.h"
-#include "surface/noise.h"
+#include "paint/exchange/blade_face.h"
+#include "paint/stroke/load_rows.h"
+#include "paint/stroke/step_rates.h"
+#include "surface/base/noise.h"
 
 namespace tangi {
 

@@ -1,15 +1,15 @@
-// dabs.h: steps of a brush on the canvas.
+// brush_steps.h: steps of a brush on the canvas.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
-#include "paint/brush.h"
-#include "paint/canvas.h"
-#include "paint/other_paint.h"
-#include "paint/paint_window.h"
-#include "paint/press_out.h"
-#include "paint/transfer.h"
+#include "paint/brush/brush.h"
+#include "paint/canvas/canvas.h"
+#include "paint/exchange/squeeze_out.h"
+#include "paint/exchange/transfer.h"
+#include "paint/stroke/paint_window.h"
+#include "paint/stroke/upper_film.h"
 
 namespace tangi {
 

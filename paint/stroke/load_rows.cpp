@@ -1,4 +1,4 @@
-#include "paint/load_rows.h"
+#include "paint/stroke/load_rows.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "paint/paint_window.h"
+#include "paint/stroke/paint_window.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "surface/parallel.h"
-#include "surface/vector_clones.h"
+#include "surface/base/parallel.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 

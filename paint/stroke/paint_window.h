@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "paint/canvas.h"
-#include "paint/transfer.h"
+#include "paint/canvas/canvas.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

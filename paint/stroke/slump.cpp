@@ -1,9 +1,9 @@
-#include "paint/collapse.h"
+#include "paint/stroke/slump.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/paint_window.h"
+#include "paint/stroke/paint_window.h"
 
 namespace tangi {
 

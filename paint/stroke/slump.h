@@ -1,4 +1,4 @@
-// collapse.h: paint that stands steeper than it can flows down, however far, where a brush has heaped it up.
+// slump.h: paint that stands steeper than it can flows down, however far, where a brush has heaped it up.
 //
 // In a step of the brush paint flows within a few pixels of the bristles only (transfer.h), which suffices
 // for the slopes of a stroke. What many strokes pile up at one place, or a blade ahead of itself, has to go
@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "paint/dabs.h"
+#include "paint/stroke/brush_steps.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/step_rates.h"
+#include "paint/stroke/step_rates.h"
 
 #include <algorithm>
 #include <cmath>

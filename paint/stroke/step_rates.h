@@ -2,8 +2,8 @@
 // is pressed, and what paint is like.
 #pragma once
 
-#include "paint/brush.h"
-#include "paint/transfer.h"
+#include "paint/brush/brush.h"
+#include "paint/exchange/transfer.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "paint/stroke.h"
+#include "paint/stroke/stroke.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "paint/dabs.h"
-#include "paint/load_rows.h"
-#include "surface/error.h"
+#include "paint/stroke/brush_steps.h"
+#include "paint/stroke/load_rows.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
-#include "paint/brush.h"
-#include "paint/canvas.h"
-#include "paint/dabs.h"
-#include "paint/other_paint.h"
+#include "paint/brush/brush.h"
+#include "paint/canvas/canvas.h"
+#include "paint/stroke/brush_steps.h"
+#include "paint/stroke/upper_film.h"
 
 namespace tangi {
 
@@ -94,9 +94,10 @@ private:
     void relax(const Dab& last);
     void come_over(const Dab& dab);
     void come_over(const Region& part, int step);
-    // Where the brush went, so many times [1] as steep as paint holds (collapse.h). Whether there was any.
+    // Where the brush went, so many times [1] as steep as paint holds (slump.h). Whether there was any.
     bool collapse_walls(float times, int step);
-    // Of tiles that no step came over from this one on: paint that the stroke left there (settle.h).
+    // Of tiles that no step came over from this one on: paint that the stroke left there
+    // (quantise_volumes.h).
     void settle_paint(int before_step);
 
     Canvas& canvas_;

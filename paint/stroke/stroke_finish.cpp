@@ -1,14 +1,14 @@
-// stroke_rest.cpp: what a stroke left comes to rest.
+// stroke_finish.cpp: what a stroke left comes to rest.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "paint/collapse.h"
-#include "paint/paint_window.h"
-#include "paint/settle.h"
-#include "paint/step_rates.h"
-#include "paint/stroke.h"
-#include "surface/parallel.h"
+#include "paint/canvas/quantise_volumes.h"
+#include "paint/stroke/paint_window.h"
+#include "paint/stroke/slump.h"
+#include "paint/stroke/step_rates.h"
+#include "paint/stroke/stroke.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

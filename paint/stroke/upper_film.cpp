@@ -1,4 +1,4 @@
-#include "paint/other_paint.h"
+#include "paint/stroke/upper_film.h"
 
 #include <algorithm>
 #include <cmath>

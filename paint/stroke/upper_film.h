@@ -1,4 +1,4 @@
-// other_paint.h: where what a stroke lays stays above.
+// upper_film.h: where what a stroke lays stays above.
 #pragma once
 
 #include <array>
@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "paint/brush.h"
-#include "paint/paint_layer.h"
+#include "paint/brush/brush.h"
+#include "paint/canvas/paint_layer.h"
 
 namespace tangi {
 

@@ -1,14 +1,14 @@
-#include "paint/picture_substrate.h"
+#include "paint/substrate/picture_substrate.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <glm/common.hpp>
 
-#include "paint/substrate.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
+#include "paint/substrate/substrate.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/options.h"
-#include "surface/surface.h"
+#include "surface/base/options.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

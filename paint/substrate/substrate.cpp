@@ -1,4 +1,4 @@
-#include "paint/substrate.h"
+#include "paint/substrate/substrate.h"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,10 @@
 #include <mutex>
 #include <numbers>
 
-#include "surface/error.h"
-#include "surface/noise.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/noise.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

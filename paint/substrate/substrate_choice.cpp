@@ -1,4 +1,4 @@
-#include "paint/substrate_choice.h"
+#include "paint/substrate/substrate_choice.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,13 +8,13 @@
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
-#include "surface/colour.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/memory_budget.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
-#include "surface/picture_rows.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/image/colour.h"
+#include "surface/image/memory_budget.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_rows.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

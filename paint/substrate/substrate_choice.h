@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "paint/picture_substrate.h"
-#include "paint/substrate.h"
-#include "surface/progress.h"
+#include "paint/substrate/picture_substrate.h"
+#include "paint/substrate/substrate.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "paint/retouch/film_match.h"
+#include "retouch/colour_match/film_match.h"
 
 #include <ceres/tiny_solver.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/spectrum_tables.h"
-#include "surface/error.h"
+#include "paint/optics/spectrum_tables.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "paint/kubelka_munk.h"
-#include "paint/retouch/simplex_subsets.h"
+#include "paint/optics/kubelka_munk.h"
+#include "retouch/colour_match/simplex_subsets.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/retouch/gloss.h"
+#include "retouch/colour_match/gloss.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "paint/retouch/mixing_steps.h"
+#include "retouch/colour_match/mixing_steps.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/film_match.h"
+#include "retouch/colour_match/film_match.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
-#include "paint/retouch/paint_media.h"
+#include "retouch/colour_match/paint_media.h"
 
 #include <algorithm>
 
-#include "paint/kubelka_munk.h"
+#include "paint/optics/kubelka_munk.h"
 
 namespace tangi {
 

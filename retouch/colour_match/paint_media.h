@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "paint/palette.h"
+#include "paint/optics/palette.h"
 
 namespace tangi {
 

@@ -1,14 +1,14 @@
-#include "paint/retouch/pigment_pairs.h"
+#include "retouch/colour_match/pigment_pairs.h"
 
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "paint/retouch/pigment_pairs_json.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "retouch/colour_match/pigment_pairs_json.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

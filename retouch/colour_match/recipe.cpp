@@ -1,4 +1,4 @@
-#include "paint/retouch/recipe.h"
+#include "retouch/colour_match/recipe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "paint/spectrum_tables.h"
-#include "surface/error.h"
+#include "paint/optics/spectrum_tables.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

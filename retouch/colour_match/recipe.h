@@ -12,9 +12,9 @@
 #include <span>
 #include <vector>
 
-#include "paint/retouch/film_match.h"
-#include "paint/retouch/mixing_steps.h"
-#include "surface/options.h"
+#include "retouch/colour_match/film_match.h"
+#include "retouch/colour_match/mixing_steps.h"
+#include "surface/base/options.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "paint/retouch/reflectance_file.h"
+#include "retouch/colour_match/reflectance_file.h"
 
 #include <sstream>
 #include <vector>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "paint/spectrum.h"
+#include "paint/optics/spectrum.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "paint/retouch/simplex_subsets.h"
+#include "retouch/colour_match/simplex_subsets.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "paint/retouch/swatches.h"
+#include "retouch/colour_match/swatches.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
-#include "paint/retouch/mixing_steps.h"
-#include "surface/error.h"
+#include "retouch/colour_match/mixing_steps.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "paint/retouch/recipe.h"
+#include "retouch/colour_match/recipe.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/retouch/viewing.h"
+#include "retouch/colour_match/viewing_distance.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/matrix.h"
-#include "surface/colour.h"
-#include "surface/error.h"
+#include "surface/base/error.h"
+#include "surface/image/colour.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 

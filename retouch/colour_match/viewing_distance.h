@@ -1,11 +1,11 @@
-// viewing.h: what a picture looks like from a distance: at which one lines fuse, and in what colour.
+// viewing_distance.h: what a picture looks like from a distance: at which one lines fuse, and in what colour.
 #pragma once
 
 #include <vector>
 
-#include "paint/retouch/mask.h"
-#include "surface/image.h"
-#include "surface/options.h"
+#include "retouch/mask/mask.h"
+#include "surface/base/options.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

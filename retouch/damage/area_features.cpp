@@ -1,12 +1,12 @@
-#include "paint/retouch/area_features.h"
+#include "retouch/damage/area_features.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/local_deviation.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "retouch/damage/local_deviation.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // area_suggestion.cpp: abrasion, stains, old fills and overpaint, by what changes at their rims; flaking.
-#include "paint/retouch/area_suggestion.h"
+#include "retouch/damage/area_suggestion.h"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/area_features.h"
-#include "paint/retouch/flaking_suggestion.h"
-#include "paint/retouch/local_deviation.h"
-#include "paint/retouch/stain_evidence.h"
-#include "surface/error.h"
+#include "retouch/damage/area_features.h"
+#include "retouch/damage/flaking_suggestion.h"
+#include "retouch/damage/local_deviation.h"
+#include "retouch/damage/stain_evidence.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/damage_class.h"
-#include "paint/retouch/damage_suggestion.h"
+#include "retouch/damage/damage_suggestion.h"
+#include "retouch/mask/damage_class.h"
 
 namespace tangi {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/local_deviation.h"
-#include "paint/retouch/matrix.h"
-#include "surface/parallel.h"
+#include "retouch/damage/damage_suggestion.h"
+#include "retouch/damage/local_deviation.h"
+#include "surface/base/parallel.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 
@@ -145,9 +145,9 @@ Image<float> network_of(const Image<float>& score, double mm_per_pixel) {
     // A far blur needs no detail.
     const double factor = std::min(1.0, 4 / sigma_px);
     cv::Mat small, smooth, full;
-    cv::resize(matrix_of(network), small, {}, factor, factor, cv::INTER_AREA);
+    cv::resize(view_of(network), small, {}, factor, factor, cv::INTER_AREA);
     cv::GaussianBlur(small, smooth, {}, sigma_px * factor, sigma_px * factor, cv::BORDER_REFLECT);
-    cv::resize(smooth, full, matrix_of(network).size(), 0, 0, cv::INTER_LINEAR);
+    cv::resize(smooth, full, view_of(network).size(), 0, 0, cv::INTER_LINEAR);
     const auto dense = static_cast<float>(kDense_per_mm * mm_per_pixel);
     for (int y = 0; y < network.height(); ++y)
         for (int x = 0; x < network.width(); ++x)
@@ -164,7 +164,7 @@ Mask traced(const Image<float>& score, const Image<float>& network, double mm_pe
         for (int x = 0; x < width; ++x)
             possible(x, y) = score(x, y) > kPossible * mix(kAlone, kAmongOthers, network(x, y)) ? 1.0f : 0.0f;
     cv::Mat joined, numbers;
-    cv::dilate(matrix_of(possible) > 0, joined, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
+    cv::dilate(view_of(possible) > 0, joined, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
     const auto count = static_cast<std::size_t>(cv::connectedComponents(joined, numbers, 8, CV_32S));
     const Mask skeleton = skeleton_of(possible);
     struct Piece {

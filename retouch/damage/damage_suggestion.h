@@ -7,10 +7,10 @@
 
 #include <vector>
 
-#include "paint/retouch/mask.h"
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "retouch/mask/mask.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/area_features.h"
-#include "paint/retouch/flaking_suggestion.h"
-#include "paint/retouch/local_deviation.h"
+#include "retouch/damage/area_features.h"
+#include "retouch/damage/flaking_suggestion.h"
+#include "retouch/damage/local_deviation.h"
 
 namespace tangi {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/area_features.h"
-#include "paint/retouch/damage_suggestion.h"
+#include "retouch/damage/area_features.h"
+#include "retouch/damage/damage_suggestion.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "paint/retouch/damage_suggestion.h"
+#include "retouch/damage/damage_suggestion.h"
 
 namespace tangi {
 

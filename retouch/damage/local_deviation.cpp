@@ -1,10 +1,10 @@
-#include "paint/retouch/local_deviation.h"
+#include "retouch/damage/local_deviation.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/local_deviation.h"
-#include "paint/retouch/matrix.h"
-#include "surface/median.h"
-#include "surface/parallel.h"
+#include "retouch/damage/damage_suggestion.h"
+#include "retouch/damage/local_deviation.h"
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 

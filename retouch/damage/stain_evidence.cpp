@@ -1,4 +1,4 @@
-#include "paint/retouch/stain_evidence.h"
+#include "retouch/damage/stain_evidence.h"
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>

@@ -7,7 +7,7 @@
 // changes where the paint does, nothing is known.
 #pragma once
 
-#include "paint/retouch/area_features.h"
+#include "retouch/damage/area_features.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/retouch/fill.h"
+#include "retouch/fill/fill.h"
 
 #include <algorithm>
 #include <array>
@@ -6,12 +6,12 @@
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/matrix.h"
-#include "paint/retouch/surroundings.h"
-#include "paint/retouch/texture_synthesis.h"
-#include "surface/error.h"
-#include "surface/noise.h"
-#include "surface/parallel.h"
+#include "retouch/fill/surroundings.h"
+#include "retouch/fill/texture_synthesis.h"
+#include "surface/base/error.h"
+#include "surface/base/noise.h"
+#include "surface/base/parallel.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 
@@ -91,7 +91,7 @@ Shift best_shift(const Patch& patch, const PatchSearch& s, int reach, double pha
 Image<float> fine_relief(const Image<float>& height_mm, double sigma_px) {
     Image<float> detail(height_mm.width(), height_mm.height());
     cv::Mat smooth;
-    cv::GaussianBlur(matrix_of(height_mm), smooth, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
+    cv::GaussianBlur(view_of(height_mm), smooth, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
     for (int y = 0; y < detail.height(); ++y)
         for (int x = 0; x < detail.width(); ++x) detail(x, y) = height_mm(x, y) - smooth.at<float>(y, x);
     return detail;

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "paint/canvas.h"
-#include "paint/retouch/mask.h"
-#include "surface/options.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "retouch/mask/mask.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-// membrane.cpp: values go on over an area as a membrane that is fixed at its border.
+// membrane_interpolation.cpp: values go on over an area as a membrane that is fixed at its border.
 #include <algorithm>
 #include <cmath>
 
-#include "paint/retouch/fill.h"
-#include "surface/error.h"
+#include "retouch/fill/fill.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/retouch/surroundings.h"
+#include "retouch/fill/surroundings.h"
 
 #include <algorithm>
 #include <array>
@@ -6,11 +6,11 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
-#include "paint/retouch/fill.h"
-#include "paint/retouch/matrix.h"
-#include "paint/retouch/texture_synthesis.h"
-#include "surface/error.h"
-#include "surface/median.h"
+#include "retouch/fill/fill.h"
+#include "retouch/fill/texture_synthesis.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 
@@ -199,7 +199,7 @@ void inpaint_into(Image<float>& values, const Mask& hole, Inpainting method, dou
     const auto [low, high] = std::minmax_element(values.pixels().begin(), values.pixels().end());
     const float base = *low, scale = 60000 / std::max(*high - *low, 1e-20f);
     cv::Mat levels, filled;
-    matrix_of(values).convertTo(levels, CV_32F, scale, -base * scale);
+    view_of(values).convertTo(levels, CV_32F, scale, -base * scale);
     cv::inpaint(levels, mask, filled, radius_px,
                 method == Inpainting::telea ? cv::INPAINT_TELEA : cv::INPAINT_NS);
     for (int y = 0; y < hole.height(); ++y)

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string_view>
 
-#include "paint/retouch/mask.h"
-#include "surface/options.h"
-#include "surface/surface.h"
+#include "retouch/mask/mask.h"
+#include "surface/base/options.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "paint/retouch/texture_synthesis.h"
+#include "retouch/fill/texture_synthesis.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "paint/retouch/fill.h"
-#include "surface/error.h"
-#include "surface/noise.h"
+#include "retouch/fill/fill.h"
+#include "surface/base/error.h"
+#include "surface/base/noise.h"
 
 namespace tangi {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "paint/retouch/mask.h"
-#include "surface/progress.h"
+#include "retouch/mask/mask.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,13 +1,13 @@
-#include "paint/retouch/marks.h"
+#include "retouch/inpaint/hatching.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/matrix.h"
-#include "paint/retouch/surroundings.h"
-#include "surface/error.h"
+#include "retouch/fill/surroundings.h"
+#include "surface/base/error.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 
@@ -224,7 +224,7 @@ Image<float> form_direction_rad(const Image<float>& lightness, const Mask& hole,
     Image<float> whole = lightness;
     membrane_into(whole, hole);  // so that the hole has no edge of its own
     cv::Mat gx, gy;
-    cv::GaussianBlur(matrix_of(whole), gx, cv::Size(), 1.0);
+    cv::GaussianBlur(view_of(whole), gx, cv::Size(), 1.0);
     cv::Sobel(gx, gy, CV_32F, 0, 1);
     cv::Sobel(gx.clone(), gx, CV_32F, 1, 0);
     Image<float> tensor[3];
@@ -233,7 +233,7 @@ Image<float> form_direction_rad(const Image<float>& lightness, const Mask& hole,
         cv::Mat smooth;
         cv::GaussianBlur(product, smooth, cv::Size(), sigma_px);
         tensor[c] = Image<float>(hole.width(), hole.height());
-        smooth.copyTo(matrix_of(tensor[c]));
+        smooth.copyTo(view_of(tensor[c]));
         membrane_into(tensor[c], hole);
     }
     Image<float> direction(hole.width(), hole.height());

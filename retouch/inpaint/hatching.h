@@ -1,4 +1,4 @@
-// marks.h: the lines and dots that a visible retouch is made of, inside a mask.
+// hatching.h: the lines and dots that a visible retouch is made of, inside a mask.
 //
 // A pixel belongs to one mark or to none: a half-covered pixel would be a thin film, whose colour is not the
 // mean of paint and ground. So widths and distances are rounded to whole pixels.
@@ -8,7 +8,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "paint/retouch/mask.h"
+#include "retouch/mask/mask.h"
 
 namespace tangi {
 

@@ -1,14 +1,14 @@
-#include "paint/retouch/line_colours.h"
+#include "retouch/inpaint/line_colours.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
-#include "paint/drawdown.h"
-#include "paint/kubelka_munk.h"
-#include "paint/retouch/juxtaposition.h"
-#include "surface/error.h"
+#include "paint/optics/drawdown_card.h"
+#include "paint/optics/kubelka_munk.h"
+#include "retouch/inpaint/optical_mixing.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "paint/retouch/modes.h"
+#include "retouch/inpaint/retouch_modes.h"
 
 namespace tangi {
 
@@ -17,9 +17,9 @@ struct LineColours {
 };
 
 // `gaps`: recipes for what is between marks, one a group; empty: `below` stays bare there. `owner`: the mark
-// of each pixel, -1 for none (marks.h), those outside of `mask` are not looked at; `target`: linear Rec. 709
-// under D65; `groups`: colours that stand for the target's, each of which gets pure colours of its own
-// (juxtaposition.h), from the paints by themselves and with white or black, where options.match.allowed lets
+// of each pixel, -1 for none (hatching.h), those outside of `mask` are not looked at; `target`: linear Rec.
+// 709 under D65; `groups`: colours that stand for the target's, each of which gets pure colours of its own
+// (optical_mixing.h), from the paints by themselves and with white or black, where options.match.allowed lets
 // them come together. A mark takes that of its group's colours which leaves the least error of XYZ, seen
 // through means over `blur_px`, with what its neighbours have: descent by single marks, as in halftoning by
 // direct search (Analoui & Allebach 1992).

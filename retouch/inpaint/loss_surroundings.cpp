@@ -1,4 +1,4 @@
-#include "paint/retouch/loss_surroundings.h"
+#include "retouch/inpaint/loss_surroundings.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <numeric>
 #include <optional>
 
-#include "paint/appearance_part.h"
-#include "paint/retouch/fill.h"
-#include "surface/error.h"
-#include "surface/median.h"
-#include "surface/surface_part.h"
+#include "paint/canvas/appearance_part.h"
+#include "retouch/fill/fill.h"
+#include "surface/base/error.h"
+#include "surface/base/median.h"
+#include "surface/maps/surface_part.h"
 
 namespace tangi {
 

@@ -4,12 +4,12 @@
 
 #include <vector>
 
-#include "paint/canvas.h"
-#include "paint/retouch/gloss.h"
-#include "paint/retouch/mask.h"
-#include "paint/retouch/modes.h"
-#include "paint/retouch/pile_colours.h"
-#include "paint/spectrum.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/spectrum.h"
+#include "retouch/colour_match/gloss.h"
+#include "retouch/inpaint/mixture_colours.h"
+#include "retouch/inpaint/retouch_modes.h"
+#include "retouch/mask/mask.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "paint/retouch/pile_colours.h"
+#include "retouch/inpaint/mixture_colours.h"
 
 #include <algorithm>
 #include <map>
 #include <numeric>
 
-#include "paint/drawdown.h"
-#include "paint/kubelka_munk.h"
+#include "paint/optics/drawdown_card.h"
+#include "paint/optics/kubelka_munk.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// pile_colours.h: the colours that piles of paint give over the grounds of a loss; for sources of this module
-// only.
+// mixture_colours.h: the colours that piles of paint give over the grounds of a loss; for sources of this
+// module only.
 #pragma once
 
 #include <utility>
 #include <vector>
 
-#include "paint/retouch/modes.h"
+#include "retouch/inpaint/retouch_modes.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "paint/retouch/juxtaposition.h"
+#include "retouch/inpaint/optical_mixing.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "paint/retouch/simplex_subsets.h"
-#include "surface/error.h"
+#include "retouch/colour_match/simplex_subsets.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-// juxtaposition.h: pure colours side by side that mix in the eye: which, and how much area of each.
+// optical_mixing.h: pure colours side by side that mix in the eye: which, and how much area of each.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "paint/spectrum.h"
+#include "paint/optics/spectrum.h"
 
 namespace tangi {
 

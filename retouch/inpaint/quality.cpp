@@ -1,4 +1,4 @@
-#include "paint/retouch/quality.h"
+#include "retouch/inpaint/quality.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,12 +6,12 @@
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/appearance_part.h"
-#include "paint/retouch/gloss.h"
-#include "paint/retouch/matrix.h"
-#include "paint/retouch/treatment.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "paint/canvas/appearance_part.h"
+#include "retouch/colour_match/gloss.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 
@@ -19,9 +19,9 @@ namespace {
 
 // Gaussian means over pixels of weight 1, wherever there are some near.
 Image<float> means(const Image<float>& values, const Mask& weight, double sigma_px) {
-    cv::Mat sum = matrix_of(values).mul(matrix_of(weight)), weights;
+    cv::Mat sum = view_of(values).mul(view_of(weight)), weights;
     cv::GaussianBlur(sum, sum, cv::Size(), sigma_px, sigma_px, cv::BORDER_REPLICATE);
-    cv::GaussianBlur(matrix_of(weight), weights, cv::Size(), sigma_px, sigma_px, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(view_of(weight), weights, cv::Size(), sigma_px, sigma_px, cv::BORDER_REPLICATE);
     Image<float> result(values.width(), values.height());
     for (int y = 0; y < values.height(); ++y)
         for (int x = 0; x < values.width(); ++x)

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "paint/retouch/mask.h"
-#include "paint/retouch/surroundings.h"
-#include "paint/spectrum.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/spectrum.h"
+#include "retouch/fill/surroundings.h"
+#include "retouch/mask/mask.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

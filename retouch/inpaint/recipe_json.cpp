@@ -1,4 +1,4 @@
-#include "paint/retouch/recipe_json.h"
+#include "retouch/inpaint/recipe_json.h"
 
 #include <algorithm>
 #include <cmath>

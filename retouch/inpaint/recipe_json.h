@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "paint/retouch/gloss.h"
-#include "paint/retouch/modes.h"
-#include "paint/retouch/pigment_pairs.h"
-#include "paint/retouch/viewing.h"
+#include "retouch/colour_match/gloss.h"
+#include "retouch/colour_match/pigment_pairs.h"
+#include "retouch/colour_match/viewing_distance.h"
+#include "retouch/inpaint/retouch_modes.h"
 
 namespace tangi {
 

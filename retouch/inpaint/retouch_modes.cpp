@@ -1,13 +1,13 @@
-#include "paint/retouch/modes.h"
+#include "retouch/inpaint/retouch_modes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "paint/retouch/line_colours.h"
-#include "paint/retouch/loss_surroundings.h"
-#include "paint/retouch/pile_colours.h"
-#include "surface/error.h"
+#include "retouch/inpaint/line_colours.h"
+#include "retouch/inpaint/loss_surroundings.h"
+#include "retouch/inpaint/mixture_colours.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 
@@ -245,7 +245,7 @@ private:
     const Palette& palette_;
     RetouchMode mode_;
     const RetouchOptions& options_;
-    Image<int> owner_;  // marks, -1 for none (marks.h)
+    Image<int> owner_;  // marks, -1 for none (hatching.h)
     double blur_px_ = 0;
 };
 

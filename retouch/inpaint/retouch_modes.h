@@ -1,4 +1,5 @@
-// modes.h: a retouch laid inside a mask: as paint of measured recipes, in the ways that conservators retouch.
+// retouch_modes.h: a retouch laid inside a mask: as paint of measured recipes, in the ways that conservators
+// retouch.
 //
 // mimetic      colours of the surroundings carried on into the loss, from a few piles and mixtures of two
 // tratteggio   vertical lines of pure colours whose mean is that colour (Brandi 1963: rigatino); between them
@@ -18,13 +19,13 @@
 #include <utility>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "paint/palette.h"
-#include "paint/retouch/gloss.h"
-#include "paint/retouch/marks.h"
-#include "paint/retouch/recipe.h"
-#include "paint/retouch/surroundings.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/palette.h"
+#include "retouch/colour_match/gloss.h"
+#include "retouch/colour_match/recipe.h"
+#include "retouch/fill/surroundings.h"
+#include "retouch/inpaint/hatching.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/retouch/damage_class.h"
+#include "retouch/mask/damage_class.h"
 
 #include <algorithm>
 #include <cstddef>

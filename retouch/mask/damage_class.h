@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "surface/colour.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

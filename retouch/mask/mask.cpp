@@ -1,14 +1,14 @@
-#include "paint/retouch/mask.h"
+#include "retouch/mask/mask.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/matrix.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "surface/picture_rows.h"
-#include "surface/picture_with_alpha.h"
+#include "surface/base/error.h"
+#include "surface/image/opencv_view.h"
+#include "surface/image_file/image_alpha.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_rows.h"
 
 namespace tangi {
 
@@ -52,8 +52,8 @@ MaskRegions regions_of(const Mask& mask) {
     MaskRegions result;
     result.number = Image<int>(mask.width(), mask.height());
     if (mask.empty()) return result;
-    const cv::Mat inside = matrix_of(mask) > 0.5f;
-    cv::Mat stats, centroids, numbers = matrix_of(result.number);
+    const cv::Mat inside = view_of(mask) > 0.5f;
+    cv::Mat stats, centroids, numbers = view_of(result.number);
     const int count = cv::connectedComponentsWithStats(inside, numbers, stats, centroids, 8, CV_32S);
     for (int i = 1; i < count; ++i) {
         const int x = stats.at<int>(i, cv::CC_STAT_LEFT), y = stats.at<int>(i, cv::CC_STAT_TOP);
@@ -67,7 +67,7 @@ MaskRegions regions_of(const Mask& mask) {
 Mask connected_at(const Mask& mask, int x, int y) {
     if (x < 0 || y < 0 || x >= mask.width() || y >= mask.height() || !(mask(x, y) > 0)) return {};
     constexpr int kReached = 1;
-    cv::Mat inside = matrix_of(mask) > 0.0f;  // 255
+    cv::Mat inside = view_of(mask) > 0.0f;  // 255
     cv::floodFill(inside, cv::Point(x, y), cv::Scalar(kReached), nullptr, {}, {}, 8);
     Mask area(mask.width(), mask.height());
     for (int row = 0; row < mask.height(); ++row)
@@ -199,7 +199,7 @@ Mask mask_of_polygons(const std::vector<Polygon>& polygons, int width, int heigh
 Image<float> distance_inside_px(const Mask& mask) {
     const int width = mask.width(), height = mask.height();
     Image<float> result(width, height);
-    const cv::Mat inside = matrix_of(mask) > 0.5f;
+    const cv::Mat inside = view_of(mask) > 0.5f;
     const int count = cv::countNonZero(inside);
     const auto far = static_cast<float>(width + height);
     if (count == 0 || count == width * height) {

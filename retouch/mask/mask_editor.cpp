@@ -1,10 +1,10 @@
-#include "paint/retouch/mask_draft.h"
+#include "retouch/mask/mask_editor.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/colour.h"
-#include "surface/error.h"
+#include "surface/base/error.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// mask_draft.h: a mask while it is being corrected: drawn, erased, undone.
+// mask_editor.h: a mask while it is being corrected: drawn, erased, undone.
 //
 // Pixels are in the area or not: what is drawn here is what paint stops at, and paint on a pixel that belongs
 // to the original in part would be paint on original. Coordinates are in pixels from the picture's top left
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "paint/retouch/mask.h"
-#include "surface/surface.h"
+#include "retouch/mask/mask.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/mask.h"
+#include "retouch/mask/mask.h"
 
 namespace tangi {
 

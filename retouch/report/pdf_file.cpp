@@ -1,5 +1,5 @@
 // pdf_file.cpp: drawing on the pages of a PDF, by Pango and Cairo.
-#include "paint/retouch/pdf_file.h"
+#include "retouch/report/pdf_file.h"
 
 #include <cairo-pdf.h>
 #include <pango/pangocairo.h>
@@ -9,9 +9,9 @@
 #include <regex>
 #include <set>
 
-#include "paint/retouch/treatment_log.h"
-#include "surface/error.h"
-#include "surface/memory_error.h"
+#include "retouch/treatment/treatment_log.h"
+#include "surface/base/error.h"
+#include "surface/base/memory_error.h"
 
 namespace tangi {
 

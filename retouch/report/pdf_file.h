@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/mask.h"
-#include "surface/colour.h"
+#include "retouch/mask/mask.h"
+#include "surface/image/colour.h"
 
 // As their libraries declare them.
 using cairo_t = struct _cairo;

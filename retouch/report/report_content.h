@@ -1,4 +1,4 @@
-// report_matter.h: what a treatment's report is made of; for sources of this module only.
+// report_content.h: what a treatment's report is made of; for sources of this module only.
 #pragma once
 
 #include <map>
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "paint/retouch/report_document.h"
-#include "paint/retouch/treatment.h"
+#include "retouch/report/report_document.h"
+#include "retouch/treatment/treatment.h"
 
 namespace tangi {
 

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "paint/retouch/mask.h"
-#include "surface/page_parts.h"
+#include "retouch/mask/mask.h"
+#include "surface/report/html_report.h"
 
 namespace tangi {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "paint/retouch/report_document.h"
-#include "surface/error.h"
-#include "surface/html_text.h"
+#include "retouch/report/report_document.h"
+#include "surface/base/error.h"
+#include "surface/base/html_escape.h"
 
 namespace tangi {
 

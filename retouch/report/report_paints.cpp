@@ -1,7 +1,7 @@
 // report_paints.cpp: of a treatment's report: what layers are made of, in words.
 #include <algorithm>
 
-#include "paint/retouch/report_matter.h"
+#include "retouch/report/report_content.h"
 
 namespace tangi {
 

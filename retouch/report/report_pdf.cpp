@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "paint/retouch/pdf_file.h"
-#include "paint/retouch/report_document.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
+#include "retouch/report/pdf_file.h"
+#include "retouch/report/report_document.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

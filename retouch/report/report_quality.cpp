@@ -1,9 +1,9 @@
 #include <algorithm>
 
-#include "paint/retouch/report_matter.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_picture.h"
-#include "surface/picture_file.h"
+#include "retouch/report/report_content.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

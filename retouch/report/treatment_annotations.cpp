@@ -1,8 +1,8 @@
 // treatment_annotations.cpp: damage maps for other programs: W3C Web Annotations, IIIF Presentation 3.
 #include <algorithm>
 
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_report.h"
+#include "retouch/report/treatment_report.h"
+#include "retouch/treatment/treatment_area.h"
 
 namespace tangi {
 

@@ -1,19 +1,19 @@
-#include "paint/retouch/treatment_report.h"
+#include "retouch/report/treatment_report.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "paint/appearance.h"
-#include "paint/appearance_part.h"
-#include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/report_matter.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_picture.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/picture_file.h"
+#include "paint/canvas/appearance.h"
+#include "paint/canvas/appearance_part.h"
+#include "retouch/damage/damage_suggestion.h"
+#include "retouch/report/report_content.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

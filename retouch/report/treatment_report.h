@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/treatment.h"
-#include "surface/progress.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

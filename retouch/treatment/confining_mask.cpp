@@ -1,8 +1,8 @@
-#include "paint/retouch/confining_mask.h"
+#include "retouch/treatment/confining_mask.h"
 
-#include "paint/retouch/sha256.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/sha256.h"
 
 namespace tangi {
 

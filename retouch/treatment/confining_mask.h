@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "paint/retouch/mask.h"
-#include "paint/session.h"
+#include "paint/session/session.h"
+#include "retouch/mask/mask.h"
 
 namespace tangi {
 

@@ -1,14 +1,14 @@
-#include "paint/retouch/removed_layers.h"
+#include "retouch/treatment/removed_layers.h"
 
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "paint/paint_parts.h"
-#include "surface/error.h"
-#include "surface/json_text.h"
-#include "surface/painting_parts.h"
-#include "surface/surface_part.h"
+#include "paint/files/paint_parts.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/maps/surface_part.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

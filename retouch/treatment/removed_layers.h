@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "surface/atomic_file.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "surface/base/progress.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -1,20 +1,20 @@
-#include "paint/retouch/treatment.h"
+#include "retouch/treatment/treatment.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <set>
 
-#include "paint/canvas_file.h"
-#include "paint/retouch/sha256.h"
-#include "paint/retouch/treatment_folder.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/output_set.h"
-#include "surface/painting_file.h"
-#include "surface/photography_json.h"
-#include "surface/picture_file.h"
+#include "paint/files/canvas_file.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/output_set.h"
+#include "surface/file/sha256.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/photography_json.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

@@ -2,7 +2,7 @@
 // was added, as layers that can be taken off; masks of its damage; and the log of every step.
 //
 //   painting.exr          a copy of the painting; its dry part stays as it is, fills, varnishes and retouches
-//                         are dried layers on it (paint/canvas_file.h)
+//                         are dried layers on it (paint/files/canvas_file.h)
 //   masks/CLASS.png       coverage by each class of damage; CLASS.confidence.png beside what was suggested
 //   earlier.exr           the painting before it was cleaned, where it was photographed then too;
 //                         earlier.LINE.exr: another one before it, by the line of the log that wrote it
@@ -24,12 +24,12 @@
 #include <utility>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "paint/retouch/damage_class.h"
-#include "paint/retouch/mask.h"
-#include "paint/retouch/treatment_log.h"
-#include "surface/painting_parts.h"
-#include "surface/progress.h"
+#include "paint/canvas/canvas.h"
+#include "retouch/mask/damage_class.h"
+#include "retouch/mask/mask.h"
+#include "retouch/treatment/treatment_log.h"
+#include "surface/base/progress.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 
@@ -61,9 +61,9 @@ struct Author {
 struct TreatmentStrokes {
     std::string journal;                         // text, with its paints; its masks are named in it
     std::map<std::string, std::string> masks{};  // name -> file (confining_mask.h)
-    // Palette and brush as the strokes left them (tools_file.h), for the painting's file: those that this has
-    // are what they went on from, and stay with the journal. Nothing: they began with none, and the file's
-    // are as they were.
+    // Palette and brush as the strokes left them (palette_part.h), for the painting's file: those that this
+    // has are what they went on from, and stay with the journal. Nothing: they began with none, and the
+    // file's are as they were.
     std::optional<std::vector<PartToWrite>> tools{};
 };
 

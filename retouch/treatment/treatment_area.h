@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/treatment.h"
+#include "retouch/damage/damage_suggestion.h"
+#include "retouch/treatment/treatment.h"
 
 namespace tangi {
 

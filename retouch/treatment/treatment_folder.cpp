@@ -1,4 +1,4 @@
-#include "paint/retouch/treatment_folder.h"
+#include "retouch/treatment/treatment_folder.h"
 
 #include <algorithm>
 #include <fstream>
@@ -6,14 +6,14 @@
 #include <set>
 #include <vector>
 
-#include "paint/retouch/sha256.h"
-#include "paint/retouch/treatment_log.h"
-#include "paint/retouch/treatment_pending.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "retouch/treatment/treatment_log.h"
+#include "retouch/treatment/treatment_pending.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/sha256.h"
 
 namespace tangi {
 

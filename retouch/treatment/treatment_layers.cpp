@@ -1,7 +1,7 @@
 // treatment_layers.cpp: of a treatment: what its layers show in each state, and where they lie.
-#include "paint/appearance.h"
-#include "paint/retouch/treatment_area.h"
-#include "surface/error.h"
+#include "paint/canvas/appearance.h"
+#include "retouch/treatment/treatment_area.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "paint/retouch/treatment_log.h"
+#include "retouch/treatment/treatment_log.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -8,11 +8,11 @@
 #include <cstring>
 #include <ctime>
 
-#include "paint/retouch/sha256.h"
-#include "surface/append_file.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/file/append_file.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/sha256.h"
 
 namespace tangi {
 

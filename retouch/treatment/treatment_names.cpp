@@ -1,7 +1,7 @@
 // treatment_names.cpp: the words of treatment.h, as files and flags have them.
 #include <span>
 
-#include "paint/retouch/treatment.h"
+#include "retouch/treatment/treatment.h"
 
 namespace tangi {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "paint/retouch/treatment_log.h"
+#include "retouch/treatment/treatment_log.h"
 
 namespace tangi {
 

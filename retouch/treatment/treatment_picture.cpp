@@ -1,12 +1,12 @@
-#include "paint/retouch/treatment_picture.h"
+#include "retouch/treatment/treatment_picture.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "paint/retouch/matrix.h"
-#include "paint/retouch/treatment_area.h"
-#include "surface/relight.h"
+#include "retouch/treatment/treatment_area.h"
+#include "surface/image/opencv_view.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 
@@ -28,7 +28,7 @@ void tint(Rgb& pixel, const Rgb& colour, float part) { pixel += 0.75f * part * (
 
 // A line of text that ends within the picture.
 void write_text(Image<Rgb>& picture, const std::string& text, int x, int y, double height_px) {
-    cv::Mat canvas = matrix_of(picture);
+    cv::Mat canvas = view_of(picture);
     int base = 0;
     const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, height_px / 22, 1, &base).width;
     const double fits = std::min(1.0, static_cast<double>(picture.width() - x - 4) / std::max(width, 1));
@@ -45,8 +45,8 @@ Image<Rgb> reduced(const Image<Rgb>& picture, int most_wide, int most_high) {
     if (factor >= 1) return picture;
     Image<Rgb> small(std::max(static_cast<int>(std::lround(picture.width() * factor)), 1),
                      std::max(static_cast<int>(std::lround(picture.height() * factor)), 1));
-    cv::Mat target = matrix_of(small);
-    cv::resize(matrix_of(picture), target, target.size(), 0, 0, cv::INTER_AREA);
+    cv::Mat target = view_of(small);
+    cv::resize(view_of(picture), target, target.size(), 0, 0, cv::INTER_AREA);
     return small;
 }
 

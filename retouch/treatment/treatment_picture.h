@@ -2,8 +2,8 @@
 // legend, additions in false colour.
 #pragma once
 
-#include "paint/retouch/treatment.h"
-#include "surface/light.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -2,19 +2,19 @@
 // log.
 #include <algorithm>
 
-#include "paint/canvas_file.h"
-#include "paint/retouch/confining_mask.h"
-#include "paint/retouch/removed_layers.h"
-#include "paint/retouch/sha256.h"
-#include "paint/retouch/treatment.h"
-#include "paint/retouch/treatment_folder.h"
-#include "paint/retouch/treatment_pending.h"
-#include "paint/tools_file.h"
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "surface/surface_part.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "retouch/treatment/confining_mask.h"
+#include "retouch/treatment/removed_layers.h"
+#include "retouch/treatment/treatment.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "retouch/treatment/treatment_pending.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/sha256.h"
+#include "surface/maps/surface_part.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

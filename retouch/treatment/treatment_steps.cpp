@@ -1,10 +1,10 @@
-#include "paint/retouch/treatment_steps.h"
+#include "retouch/treatment/treatment_steps.h"
 
 #include <algorithm>
 
-#include "paint/retouch/removed_layers.h"
-#include "paint/retouch/treatment_area.h"
-#include "surface/error.h"
+#include "retouch/treatment/removed_layers.h"
+#include "retouch/treatment/treatment_area.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

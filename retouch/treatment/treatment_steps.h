@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/fill.h"
-#include "paint/retouch/treatment.h"
+#include "retouch/fill/fill.h"
+#include "retouch/treatment/treatment.h"
 
 namespace tangi {
 

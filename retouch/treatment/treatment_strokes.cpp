@@ -1,13 +1,13 @@
-#include "paint/retouch/treatment_strokes.h"
+#include "retouch/treatment/treatment_strokes.h"
 
 #include <set>
 
-#include "paint/canvas_hash.h"
-#include "paint/journal.h"
-#include "paint/session.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
+#include "paint/canvas/canvas_hash.h"
+#include "paint/files/palette_part.h"
+#include "paint/session/journal.h"
+#include "paint/session/session.h"
+#include "surface/base/error.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "paint/palette.h"
-#include "paint/retouch/confining_mask.h"
-#include "paint/retouch/treatment.h"
+#include "paint/optics/palette.h"
+#include "retouch/treatment/confining_mask.h"
+#include "retouch/treatment/treatment.h"
 
 namespace tangi {
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "paint/retouch/removed_layers.h"
-#include "paint/retouch/sha256.h"
-#include "paint/retouch/treatment_folder.h"
-#include "paint/retouch/treatment_steps.h"
-#include "surface/error.h"
+#include "retouch/treatment/removed_layers.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "surface/base/error.h"
+#include "surface/file/sha256.h"
 
 namespace tangi {
 

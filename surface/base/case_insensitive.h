@@ -1,4 +1,4 @@
-// letter_case.h: names that are the same but for capitals.
+// case_insensitive.h: names that are the same but for capitals.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// html_text.h: text that stays text on a page.
+// html_escape.h: text that stays text on a page.
 #pragma once
 
 #include <string>

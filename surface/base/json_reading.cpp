@@ -1,7 +1,7 @@
-#include "surface/json_reading.h"
+#include "surface/base/json_reading.h"
 
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "surface/json_text.h"
+#include "surface/base/json_text.h"
 
 #include <algorithm>
 #include <optional>
 #include <set>
 #include <vector>
 
-#include "surface/error.h"
-#include "surface/json_reading.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/noise.h"
+#include "surface/base/noise.h"
 
 #include <algorithm>
 

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
@@ -9,8 +9,8 @@
 #include <new>
 #include <stdexcept>
 
-#include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/base/error.h"
+#include "surface/base/memory_error.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string_view>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

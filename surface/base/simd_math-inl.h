@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-#include "surface/vector_targets.h"
+#include "surface/base/vector_targets.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tangi {

@@ -1,4 +1,4 @@
-#include "surface/typed_number.h"
+#include "surface/base/typed_number.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "surface/blanks.h"
+#include "surface/base/blanks.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/nameless_file.h"
+#include "surface/file/anonymous_temp_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

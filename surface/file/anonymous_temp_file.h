@@ -1,5 +1,5 @@
-// nameless_file.h: temporary files that have no name, so that the system takes the room back however the
-// program ends.
+// anonymous_temp_file.h: temporary files that have no name, so that the system takes the room back however
+// the program ends.
 #pragma once
 
 #include <cstddef>

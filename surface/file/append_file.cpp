@@ -1,4 +1,4 @@
-#include "surface/append_file.h"
+#include "surface/file/append_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/atomic_file.h"
+#include "surface/file/atomic_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,11 +8,11 @@
 #include <cstring>
 #include <span>
 
-#include "surface/error.h"
-#include "surface/file_name.h"
-#include "surface/json_text.h"
-#include "surface/output_set.h"
-#include "surface/stale_temporaries.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/file/file_name.h"
+#include "surface/file/output_set.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace tangi {
 

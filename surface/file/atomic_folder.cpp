@@ -1,4 +1,4 @@
-#include "surface/atomic_folder.h"
+#include "surface/file/atomic_folder.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/output_set.h"
-#include "surface/stale_temporaries.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/output_set.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace tangi {
 

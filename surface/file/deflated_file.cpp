@@ -5,7 +5,7 @@
 #include <memory>
 #include <new>
 
-#include "surface/deflated.h"
+#include "surface/file/deflated.h"
 
 namespace tangi {
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "surface/file_name.h"
-#include "surface/memory_error.h"
-#include "surface/stale_temporaries.h"
+#include "surface/base/memory_error.h"
+#include "surface/file/file_name.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/file_bytes.h"
+#include "surface/file/file_bytes.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "surface/error.h"
-#include "surface/nameless_file.h"
+#include "surface/base/error.h"
+#include "surface/file/anonymous_temp_file.h"
 
 namespace tangi {
 

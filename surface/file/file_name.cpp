@@ -1,4 +1,4 @@
-#include "surface/file_name.h"
+#include "surface/file/file_name.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "surface/json_text.h"
-#include "surface/stale_temporaries.h"
+#include "surface/base/json_text.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace tangi {
 

@@ -8,7 +8,7 @@
 namespace tangi {
 
 // [bytes] What the names that lie beside a painting have more than its own: "x.discarded-99.jsonl" beside
-// "x.exr" (viewer/sitting.h).
+// "x.exr" (viewer/model/crash_recovery.h).
 inline constexpr std::size_t kBesideName = 17;
 
 // Why no file can be written under this name: with what is put round it until it is whole

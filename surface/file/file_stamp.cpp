@@ -1,4 +1,4 @@
-#include "surface/file_stamp.h"
+#include "surface/file/file_stamp.h"
 
 #include <sys/stat.h>
 

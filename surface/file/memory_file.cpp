@@ -1,4 +1,4 @@
-#include "surface/memory_file.h"
+#include "surface/file/memory_file.h"
 
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -9,8 +9,8 @@
 #include <cstring>
 #include <new>
 
-#include "surface/error.h"
-#include "surface/memory_error.h"
+#include "surface/base/error.h"
+#include "surface/base/memory_error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// output_record.h: what is to be put in place together, written down beside it (surface/output_set.h).
+// output_record.h: what is to be put in place together, written down beside it (surface/file/output_set.h).
 #pragma once
 
 #include <filesystem>

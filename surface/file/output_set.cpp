@@ -1,4 +1,4 @@
-#include "surface/output_set.h"
+#include "surface/file/output_set.h"
 
 #include <algorithm>
 #include <map>
@@ -6,10 +6,10 @@
 #include <mutex>
 #include <set>
 
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/stale_temporaries.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace tangi {
 

@@ -16,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-#include "surface/output_record.h"
+#include "surface/file/output_record.h"
 
 namespace tangi {
 

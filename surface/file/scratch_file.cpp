@@ -1,4 +1,4 @@
-#include "capture/scratch_file.h"
+#include "surface/file/scratch_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -7,8 +7,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "surface/error.h"
-#include "surface/nameless_file.h"
+#include "surface/base/error.h"
+#include "surface/file/anonymous_temp_file.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/scratch_memory.h"
+#include "surface/file/scratch_memory.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -8,7 +8,7 @@
 #include <new>
 #include <utility>
 
-#include "surface/nameless_file.h"
+#include "surface/file/anonymous_temp_file.h"
 
 namespace tangi {
 

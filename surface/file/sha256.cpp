@@ -1,4 +1,4 @@
-#include "paint/retouch/sha256.h"
+#include "surface/file/sha256.h"
 
 #include <openssl/evp.h>
 
@@ -6,8 +6,8 @@
 #include <fstream>
 #include <vector>
 
-#include "surface/error.h"
-#include "surface/file_bytes.h"
+#include "surface/base/error.h"
+#include "surface/file/file_bytes.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/stale_temporaries.h"
+#include "surface/file/stale_temporaries.h"
 
 #include <fmt/format.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-#include "surface/colour.h"
+#include "surface/image/colour.h"
 
 #include <fmt/format.h>
 

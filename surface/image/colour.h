@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,21 +1,21 @@
-#include "fit/colour_rows.h"
+#include "surface/image/colour_rows.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
-#include "surface/vector_targets.h"  // before Highway
+#include "surface/base/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fit/colour_rows.cpp"
+#define HWY_TARGET_INCLUDE "surface/image/colour_rows.cpp"
 #include <hwy/foreach_target.h>
 
 #include <hwy/contrib/math/math-inl.h>
 
-#include "surface/simd_math-inl.h"
+#include "surface/base/simd_math-inl.h"
 
 #ifndef TANGI_COLOUR_ROWS_ONCE
 #define TANGI_COLOUR_ROWS_ONCE

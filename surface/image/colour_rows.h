@@ -1,10 +1,10 @@
 // colour_rows.h: transfer curves and CIEDE2000 of whole rows of pixels, on the lanes of vector registers:
-// what Transfer and delta_e_2000() of surface/colour.h say of one.
+// what Transfer and delta_e_2000() of surface/image/colour.h say of one.
 #pragma once
 
 #include <span>
 
-#include "surface/colour.h"
+#include "surface/image/colour.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "surface/homography.h"
+#include "surface/image/homography.h"
 
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <opencv2/calib3d.hpp>
 #include <vector>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

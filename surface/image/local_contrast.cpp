@@ -1,10 +1,10 @@
-#include "capture/local_contrast.h"
+#include "surface/image/local_contrast.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/matrix.h"
+#include "surface/image/opencv_view.h"
 
 namespace tangi {
 

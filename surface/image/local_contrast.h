@@ -3,7 +3,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/memory_budget.h"
+#include "surface/image/memory_budget.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -11,8 +11,8 @@
 #include <sstream>
 #include <string>
 
-#include "surface/error.h"
-#include "surface/image.h"
+#include "surface/base/error.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

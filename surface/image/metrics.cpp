@@ -1,4 +1,4 @@
-#include "fit/metrics.h"
+#include "surface/image/metrics.h"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 #include <optional>
 #include <vector>
 
-#include "fit/colour_rows.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/image/colour_rows.h"
 
 namespace tangi {
 

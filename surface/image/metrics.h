@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "surface/colour.h"
-#include "surface/image.h"
+#include "surface/image/colour.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

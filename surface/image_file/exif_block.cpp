@@ -1,4 +1,4 @@
-#include "surface/exif_block.h"
+#include "surface/image_file/exif_block.h"
 
 #include <array>
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "surface/file_bytes.h"
+#include "surface/file/file_bytes.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/exr_claim.h"
+#include "surface/image_file/exr_header_check.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// exr_claim.h: what the header of an EXR file claims to hold, against what a file of its length can.
+// exr_header_check.h: what the header of an EXR file claims to hold, against what a file of its length can.
 //
 // OpenEXR asks for memory by the header's data windows (a table of offsets, lengths of rows) before it looks
 // for the pixels. A header of a few damaged bytes so asks for gigabytes. And it notices that the end of a

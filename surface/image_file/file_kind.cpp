@@ -1,4 +1,4 @@
-#include "surface/file_kind.h"
+#include "surface/image_file/file_kind.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "surface/letter_case.h"
+#include "surface/base/case_insensitive.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "surface/file_bytes.h"
+#include "surface/file/file_bytes.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/icc_profile.h"
+#include "surface/image_file/icc_profile.h"
 
 #include <cmath>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "surface/json_text.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
-#include "surface/picture_with_alpha.h"
+#include "surface/image_file/image_alpha.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

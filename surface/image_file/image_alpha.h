@@ -1,10 +1,10 @@
-// picture_with_alpha.h: pictures whose alpha says what belongs to them, as masks and layers of other
+// image_alpha.h: pictures whose alpha says what belongs to them, as masks and layers of other
 // programs.
 #pragma once
 
 #include <filesystem>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 
@@ -13,7 +13,7 @@ struct PictureWithAlpha {
     Image<float> alpha;  // 0..1; 0 where an EXR file has no pixel; empty where it has no alpha and all pixels
 };
 
-// As read_picture() does (picture_file.h), with the alpha of the file.
+// As read_picture() does (image_io.h), with the alpha of the file.
 PictureWithAlpha read_picture_with_alpha(const std::filesystem::path& path);
 
 // Of a mask (0..1, 1 inside) as the tones of a picture tell it: what is transparent is outside. Where there

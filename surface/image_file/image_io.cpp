@@ -1,4 +1,4 @@
-#include "surface/picture_file.h"
+#include "surface/image_file/image_io.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -11,19 +11,19 @@
 #include <optional>
 #include <utility>
 
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/file_bytes.h"
-#include "surface/icc_profile.h"
-#include "surface/json_text.h"
-#include "surface/letter_case.h"
-#include "surface/memory_budget.h"
-#include "surface/memory_error.h"
-#include "surface/memory_file.h"
-#include "surface/parallel.h"
-#include "surface/picture_rows.h"
-#include "surface/picture_with_alpha.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/base/memory_error.h"
+#include "surface/base/parallel.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/file_bytes.h"
+#include "surface/file/memory_file.h"
+#include "surface/image/memory_budget.h"
+#include "surface/image_file/icc_profile.h"
+#include "surface/image_file/image_alpha.h"
+#include "surface/image_file/picture_rows.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// picture_file.h: finished pictures to files and back (PNG, TIFF, JPEG, EXR), through OpenImageIO.
+// image_io.h: finished pictures to files and back (PNG, TIFF, JPEG, EXR), through OpenImageIO.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
-#include "surface/colour.h"
-#include "surface/image.h"
+#include "surface/image/colour.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

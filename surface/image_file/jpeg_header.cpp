@@ -5,10 +5,10 @@
 #include <map>
 #include <string_view>
 
-#include "surface/exif_block.h"
-#include "surface/icc_profile.h"
-#include "surface/jpeg_segments.h"
-#include "surface/picture_header.h"
+#include "surface/image_file/exif_block.h"
+#include "surface/image_file/icc_profile.h"
+#include "surface/image_file/jpeg_segments.h"
+#include "surface/image_file/picture_header.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "surface/jpeg_segments.h"
+#include "surface/image_file/jpeg_segments.h"
 
 #include <algorithm>
 #include <string>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

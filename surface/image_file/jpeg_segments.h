@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "surface/file_bytes.h"
+#include "surface/file/file_bytes.h"
 
 namespace tangi {
 

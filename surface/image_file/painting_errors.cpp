@@ -1,4 +1,4 @@
-#include "surface/painting_errors.h"
+#include "surface/image_file/painting_errors.h"
 
 #include <array>
 #include <cerrno>
@@ -6,10 +6,10 @@
 #include <fstream>
 #include <string_view>
 
-#include "surface/exr_claim.h"
-#include "surface/file_bytes.h"
-#include "surface/json_text.h"
-#include "surface/memory_error.h"
+#include "surface/base/json_text.h"
+#include "surface/base/memory_error.h"
+#include "surface/file/file_bytes.h"
+#include "surface/image_file/exr_header_check.h"
 
 namespace tangi {
 
@@ -47,7 +47,7 @@ void fail_reading(const std::filesystem::path& path, const std::exception& error
     if (!begins_as_exr(path)) fail("{}: is not a painting file: it is no EXR file", path.string());
     if (says("Early end of file") || says("incomplete"))
         fail("{}: is damaged: it ends before all of the painting was read; {}", path.string(), kRemedy);
-    if (words.starts_with("its rows"))  // scan_blocks.h
+    if (words.starts_with("its rows"))  // exr_parallel_reader.h
         fail("{}: is damaged: {}; {}", path.string(), words, kRemedy);
     if (says("pixel data"))
         fail("{}: is damaged: a block of its pixels cannot be unpacked; {}", path.string(), kRemedy);

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <new>
 
-#include "surface/error.h"
-#include "surface/progress.h"
+#include "surface/base/error.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/picture_header.h"
+#include "surface/image_file/picture_header.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/file_bytes.h"
+#include "surface/file/file_bytes.h"
 
 namespace tangi {
 

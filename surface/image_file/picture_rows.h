@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

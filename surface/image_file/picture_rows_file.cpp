@@ -1,15 +1,15 @@
-#include "surface/picture_rows.h"
+#include "surface/image_file/picture_rows.h"
 
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "surface/error.h"
-#include "surface/jpeg_segments.h"
-#include "surface/png_chunks.h"
-#include "surface/safe_picture.h"
-#include "surface/tiff_pages.h"
+#include "surface/base/error.h"
+#include "surface/image_file/jpeg_segments.h"
+#include "surface/image_file/png_check.h"
+#include "surface/image_file/safe_picture.h"
+#include "surface/image_file/tiff_pages.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/png_chunks.h"
+#include "surface/image_file/png_check.h"
 
 #include <cstdint>
 #include <fstream>

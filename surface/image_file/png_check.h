@@ -1,4 +1,4 @@
-// png_chunks.h: whether a PNG file is whole.
+// png_check.h: whether a PNG file is whole.
 #pragma once
 
 #include <filesystem>

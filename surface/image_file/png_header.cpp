@@ -4,11 +4,11 @@
 #include <cmath>
 #include <string_view>
 
-#include "surface/deflated.h"
-#include "surface/exif_block.h"
-#include "surface/icc_profile.h"
-#include "surface/letter_case.h"
-#include "surface/picture_header.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/file/deflated.h"
+#include "surface/image_file/exif_block.h"
+#include "surface/image_file/icc_profile.h"
+#include "surface/image_file/picture_header.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/safe_picture.h"
+#include "surface/image_file/safe_picture.h"
 
 #include <unistd.h>
 
@@ -6,15 +6,15 @@
 #include <cstring>
 #include <utility>
 
-#include "surface/error.h"
-#include "surface/exr_claim.h"
-#include "surface/file_bytes.h"
-#include "surface/file_kind.h"
-#include "surface/json_text.h"
-#include "surface/letter_case.h"
-#include "surface/nameless_file.h"
-#include "surface/painting_errors.h"
-#include "surface/picture_header.h"
+#include "surface/base/case_insensitive.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
+#include "surface/file/anonymous_temp_file.h"
+#include "surface/file/file_bytes.h"
+#include "surface/image_file/exr_header_check.h"
+#include "surface/image_file/file_kind.h"
+#include "surface/image_file/painting_errors.h"
+#include "surface/image_file/picture_header.h"
 
 namespace tangi {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "surface/memory_budget.h"
+#include "surface/image/memory_budget.h"
 
 namespace tangi {
 

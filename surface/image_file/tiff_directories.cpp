@@ -1,4 +1,4 @@
-#include "surface/tiff_directories.h"
+#include "surface/image_file/tiff_directories.h"
 
 #include <algorithm>
 #include <array>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "surface/file_bytes.h"
+#include "surface/file/file_bytes.h"
 
 namespace tangi {
 

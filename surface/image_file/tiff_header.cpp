@@ -5,9 +5,9 @@
 #include <set>
 #include <string_view>
 
-#include "surface/icc_profile.h"
-#include "surface/picture_header.h"
-#include "surface/tiff_directories.h"
+#include "surface/image_file/icc_profile.h"
+#include "surface/image_file/picture_header.h"
+#include "surface/image_file/tiff_directories.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <initializer_list>
 
-#include "surface/tiff_pages.h"
+#include "surface/image_file/tiff_pages.h"
 
 namespace tangi {
 

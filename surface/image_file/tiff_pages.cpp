@@ -1,10 +1,10 @@
-#include "surface/tiff_pages.h"
+#include "surface/image_file/tiff_pages.h"
 
 #include <algorithm>
 #include <set>
 
-#include "surface/error.h"
-#include "surface/tiff_directories.h"
+#include "surface/base/error.h"
+#include "surface/image_file/tiff_directories.h"
 
 namespace tangi {
 

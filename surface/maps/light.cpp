@@ -1,8 +1,8 @@
-#include "surface/light.h"
+#include "surface/maps/light.h"
 
 #include <cmath>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/lamp_model.h"
+#include "surface/maps/light_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-// lamp_model.h: the strength of a lamp, and the shape of its beam, as smooth functions of its direction, to
+// light_model.h: the strength of a lamp, and the shape of its beam, as smooth functions of its direction, to
 // predict lights that no photograph had from those that were photographed.
 #pragma once
 
 #include <array>
 #include <span>
 
-#include "surface/light.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

@@ -1,10 +1,10 @@
-#include "surface/photography_json.h"
+#include "surface/maps/photography_json.h"
 
 #include <cmath>
 #include <glm/matrix.hpp>
 
-#include "surface/error.h"
-#include "surface/json_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 

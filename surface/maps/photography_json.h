@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "surface/colour.h"
-#include "surface/homography.h"
-#include "surface/image.h"
-#include "surface/lamp_model.h"
-#include "surface/light.h"
-#include "surface/ward.h"
+#include "surface/image/colour.h"
+#include "surface/image/homography.h"
+#include "surface/image/image.h"
+#include "surface/maps/light.h"
+#include "surface/maps/light_model.h"
+#include "surface/reflectance/anisotropy.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/surface_part.h"
+#include "surface/maps/surface_part.h"
 
 namespace tangi {
 

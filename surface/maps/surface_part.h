@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// scan_blocks.h: the channels of a part of an OpenEXR file, unpacked on all cores.
+// exr_parallel_reader.h: the channels of a part of an OpenEXR file, unpacked on all cores.
 //
 // OpenEXR's own reader unpacks with zlib and copies in a thread of its own each; for files as we write them
 // (blocks of rows, ZIP) this takes a third of the processor's time, and rows can be looked at while they are
@@ -10,7 +10,7 @@
 #include <span>
 #include <string>
 
-#include "surface/progress.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

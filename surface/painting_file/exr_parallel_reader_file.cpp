@@ -14,8 +14,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "surface/parallel.h"
-#include "surface/scan_blocks.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/exr_parallel_reader.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// part_pixels.h: single pixels of a part of a painting file, read when they are asked for: a map that is
+// exr_pixel_reader.h: single pixels of a part of a painting file, read when they are asked for: a map that is
 // looked at here and there need not be in memory.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "surface/painting_parts.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/part_pixels.h"
+#include "surface/painting_file/exr_pixel_reader.h"
 
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -7,8 +7,8 @@
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "surface/painting_errors.h"
+#include "surface/base/error.h"
+#include "surface/image_file/painting_errors.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/fit_doubts.h"
+#include "surface/painting_file/fit_doubts.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -2,7 +2,7 @@
 // shown at once, while the maps are still being read.
 //
 // Channels as those of `dry`, 16-bit floats, 1024 pixels a side at most: means over squares of whole pixels,
-// with the spread of the slopes in alpha (as levels of detail have it, viewer/texels.h). Attribute
+// with the spread of the slopes in alpha (as levels of detail have it, viewer/render/texels.h). Attribute
 // `dry_hash`: of the dry part that it belongs to. It may be left out, and counts for nothing where that is
 // another.
 #pragma once
@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "surface/painting_parts.h"
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -6,11 +6,11 @@
 
 #include <cmath>
 
-#include "surface/exr_attribute.h"
-#include "surface/overview.h"
-#include "surface/painting_errors.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
+#include "surface/image_file/painting_errors.h"
+#include "surface/painting_file/exr_attribute.h"
+#include "surface/painting_file/overview.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

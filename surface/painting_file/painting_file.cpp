@@ -1,4 +1,4 @@
-#include "surface/painting_file.h"
+#include "surface/painting_file/painting_file.h"
 
 #include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
@@ -27,20 +27,20 @@
 #include <span>
 #include <vector>
 
-#include "surface/dry_channels.h"
-#include "surface/error.h"
-#include "surface/exr_attribute.h"
-#include "surface/exr_claim.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/memory_budget.h"
-#include "surface/memory_error.h"
-#include "surface/overview.h"
-#include "surface/painting_errors.h"
-#include "surface/painting_parts.h"
-#include "surface/parallel.h"
-#include "surface/photography_json.h"
-#include "surface/scan_blocks.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/base/memory_error.h"
+#include "surface/base/parallel.h"
+#include "surface/image/memory_budget.h"
+#include "surface/image_file/exr_header_check.h"
+#include "surface/image_file/painting_errors.h"
+#include "surface/maps/photography_json.h"
+#include "surface/painting_file/exr_attribute.h"
+#include "surface/painting_file/exr_parallel_reader.h"
+#include "surface/painting_file/overview.h"
+#include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/surface_channels.h"
 
 namespace tangi {
 

@@ -10,9 +10,9 @@
 #include <memory>
 #include <string>
 
-#include "surface/atomic_file.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "surface/base/progress.h"
+#include "surface/file/atomic_file.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "surface/atomic_file.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "surface/base/progress.h"
+#include "surface/file/atomic_file.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

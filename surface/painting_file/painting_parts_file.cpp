@@ -5,11 +5,11 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfStringAttribute.h>
 
-#include "surface/error.h"
-#include "surface/painting_errors.h"
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/image_file/painting_errors.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/dry_channels.h"
+#include "surface/painting_file/surface_channels.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

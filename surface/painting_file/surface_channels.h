@@ -1,5 +1,5 @@
-// dry_channels.h: the maps of a surface as the channels of a painting file's part `dry`: their names, their
-// hash, and what cannot be relit.
+// surface_channels.h: the maps of a surface as the channels of a painting file's part `dry`: their names,
+// their hash, and what cannot be relit.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

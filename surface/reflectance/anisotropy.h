@@ -16,7 +16,8 @@
 #include <glm/vec2.hpp>
 #include <utility>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 

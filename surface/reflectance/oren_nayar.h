@@ -1,4 +1,4 @@
-// diffuse.h: diffuse reflection of rough surfaces: matt facets that shade and light each other.
+// oren_nayar.h: diffuse reflection of rough surfaces: matt facets that shade and light each other.
 //
 // Oren & Nayar 1994, "Generalization of Lambert's reflectance model", in the form of Fujii 2012, "A tiny
 // improvement of Oren-Nayar reflectance model", which has no dark rings and never reflects more than it gets:

@@ -1,4 +1,4 @@
-#include "surface/ward.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 

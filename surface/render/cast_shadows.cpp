@@ -1,4 +1,4 @@
-#include "surface/cast_shadows.h"
+#include "surface/render/cast_shadows.h"
 
 #include <array>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

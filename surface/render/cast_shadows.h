@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/shadow_march.h"
+#include "surface/image/image.h"
+#include "surface/render/shadow_march.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "surface/relight.h"
+#include "surface/render/relight.h"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <numbers>
 
-#include "surface/anisotropy.h"
-#include "surface/diffuse.h"
-#include "surface/parallel.h"
-#include "surface/relighter.h"
+#include "surface/base/parallel.h"
+#include "surface/reflectance/anisotropy.h"
+#include "surface/reflectance/oren_nayar.h"
+#include "surface/render/relighter.h"
 
 namespace tangi {
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <span>
 
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
-#include "surface/ward.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 
@@ -38,7 +38,7 @@ struct RelightOptions {
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility * (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig.ambient rho_d)
 // with the colour of the lobe, 1 where surface.lobe_colour is empty, drawn out as surface.lobe_axes say
-// (anisotropy.h), and D of diffuse.h, max(0, n.l) where
+// (anisotropy.h), and D of oren_nayar.h, max(0, n.l) where
 // surface.law.diffuse_roughness is 0: then a matt white facing a light of gain 1 is 1 + rig.ambient. It is
 // linear in the lights (tested).
 Image<Rgb> relight(const Surface& surface, std::span<const Light> lights, const RelightOptions& options = {},

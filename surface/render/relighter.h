@@ -4,8 +4,8 @@
 #include <memory>
 #include <span>
 
-#include "surface/cast_shadows.h"
-#include "surface/relight.h"
+#include "surface/render/cast_shadows.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

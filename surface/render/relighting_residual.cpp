@@ -1,14 +1,14 @@
-#include "surface/faithful.h"
+#include "surface/render/relighting_residual.h"
 
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

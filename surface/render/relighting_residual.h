@@ -1,5 +1,5 @@
-// faithful.h: what photographs show beyond the fitted surface, as a residual over the direction of the light:
-// a few coefficients a pixel, kept in part `faithful` of the painting file.
+// relighting_residual.h: what photographs show beyond the fitted surface, as a residual over the direction of
+// the light: a few coefficients a pixel, kept in part `faithful` of the painting file.
 //
 // The residual at a light of direction l, in units of its irradiance, is
 //     sum over t of b_t(l) B_t u  +  sum over t of c_t(l) (S_t e1 + T_t e2)
@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/painting_parts.h"
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
+#include "surface/painting_file/painting_parts.h"
 
 namespace tangi {
 

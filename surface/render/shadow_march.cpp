@@ -1,13 +1,13 @@
-#include "surface/shadow_march.h"
+#include "surface/render/shadow_march.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "surface/vector_targets.h"  // before Highway
+#include "surface/base/vector_targets.h"  // before Highway
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "surface/shadow_march.cpp"
+#define HWY_TARGET_INCLUDE "surface/render/shadow_march.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -1,4 +1,4 @@
-#include "fit/false_colour.h"
+#include "surface/report/false_colour.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "surface/anisotropy.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "fit/metrics.h"
-#include "surface/surface.h"
+#include "surface/image/metrics.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

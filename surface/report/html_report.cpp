@@ -1,15 +1,15 @@
-#include "surface/page_parts.h"
+#include "surface/report/html_report.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/base64.h"
-#include "surface/error.h"
-#include "surface/html_text.h"
-#include "surface/picture_file.h"
+#include "surface/base/error.h"
+#include "surface/base/html_escape.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/base64.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

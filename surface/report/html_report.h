@@ -1,4 +1,4 @@
-// page_parts.h: what the pages for people have in common. A page is one file, without scripts or network.
+// html_report.h: what the pages for people have in common. A page is one file, without scripts or network.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/surface.h"
+#include "surface/image/image.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-// png_bytes.h: PNG pictures in memory, for files that hold several.
+// png_encode.h: PNG pictures in memory, for files that hold several.
 #pragma once
 
 #include <string>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
-#include "surface/error.h"
-#include "surface/memory_error.h"
-#include "surface/png_bytes.h"
+#include "surface/base/error.h"
+#include "surface/base/memory_error.h"
+#include "surface/report/png_encode.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// datasets_generator_test.cpp: stacks on disk hold what was rendered, and say under which lights.
+// generator_test.cpp: stacks on disk hold what was rendered, and say under which lights.
 #include "datasets/generator.h"
 
 #include <gmock/gmock.h>
@@ -7,14 +7,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "capture/lights_file.h"
-#include "capture/stack.h"
-#include "surface/anisotropy.h"
-#include "surface/atomic_file.h"
-#include "surface/painting_file.h"
-#include "surface/photography_json.h"
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "capture/formats/lights_file.h"
+#include "capture/stack/stack.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/photography_json.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/reflectance/anisotropy.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

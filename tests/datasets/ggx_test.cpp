@@ -1,9 +1,9 @@
-// datasets_ggx_test.cpp: the laws of a physically plausible lobe.
+// ggx_test.cpp: the laws of a physically plausible lobe.
 #include "datasets/ggx.h"
 
 #include <gtest/gtest.h>
 
-#include "surface/ward.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// datasets_procedural_painting_test.cpp: the truth is reproducible, consistent and like a painting.
+// procedural_painting_test.cpp: the truth is reproducible, consistent and like a painting.
 #include "datasets/procedural_painting.h"
 
 #include <gtest/gtest.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

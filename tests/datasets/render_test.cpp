@@ -1,13 +1,13 @@
-// datasets_render_test.cpp: the radiometry of rendered photographs, their shadows and their sensor.
+// render_test.cpp: the radiometry of rendered photographs, their shadows and their sensor.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "datasets/generator.h"
-#include "surface/parallel.h"
-#include "surface/relight.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// datasets_sample_test.cpp: the embedded sample is found, whole, and as its README says.
+// sample_test.cpp: the embedded sample is found, whole, and as its README says.
 #include "datasets/sample.h"
 
 #include <gmock/gmock.h>
@@ -6,9 +6,9 @@
 
 #include <cstdlib>
 
-#include "capture/stack.h"
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "capture/stack/stack.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -10,9 +10,9 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "tests/damaged_bytes.h"
-#include "tests/file_kinds.h"
-#include "tests/test_support.h"
+#include "tests/support/damaged_bytes.h"
+#include "tests/support/file_kinds.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <chrono>
 
-#include "tests/cli_program.h"
-#include "tests/damaged_bytes.h"
-#include "tests/file_kinds.h"
+#include "tests/programs/support/cli_program.h"
+#include "tests/support/damaged_bytes.h"
+#include "tests/support/file_kinds.h"
 
 namespace tangi {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <set>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 

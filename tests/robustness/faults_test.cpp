@@ -1,5 +1,5 @@
-// cli_faults_test.cpp: the commands that write, in scenes of what is there before; see fault_scene.h.
-#include "fault_scene.h"
+// faults_test.cpp: the commands that write, in scenes of what is there before; see fault_scene.h.
+#include "tests/robustness/fault_scene.h"
 
 namespace tangi {
 namespace {

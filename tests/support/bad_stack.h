@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 

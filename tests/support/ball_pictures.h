@@ -4,9 +4,9 @@
 #include <functional>
 #include <optional>
 
-#include "capture/ball_calibration.h"
-#include "surface/picture_file.h"
-#include "test_support.h"
+#include "capture/sphere_lights/ball_calibration.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

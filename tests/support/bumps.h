@@ -5,8 +5,8 @@
 #include <numbers>
 #include <optional>
 
-#include "capture/survey.h"
-#include "tests/test_support.h"
+#include "capture/stack/survey.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

@@ -3,8 +3,8 @@
 
 #include <glm/matrix.hpp>
 
-#include "capture/chart_order.h"
-#include "tests/test_support.h"
+#include "capture/colour_chart/chart_order.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

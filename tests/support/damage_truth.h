@@ -2,7 +2,7 @@
 #pragma once
 
 #include "datasets/procedural_painting.h"
-#include "paint/retouch/mask.h"
+#include "retouch/mask/mask.h"
 
 namespace tangi {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "surface/image.h"
-#include "tests/test_support.h"
+#include "surface/image/image.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

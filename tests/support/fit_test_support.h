@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 #include "datasets/generator.h"
-#include "fit/compare.h"
-#include "surface/surface.h"
-#include "test_support.h"
+#include "fit/evaluate/compare.h"
+#include "surface/maps/surface.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

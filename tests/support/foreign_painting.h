@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "surface/dry_channels.h"
-#include "test_support.h"
+#include "surface/painting_file/surface_channels.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

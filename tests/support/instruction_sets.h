@@ -5,18 +5,18 @@
 
 #include <string>
 
-#include "fit/ward_batch.h"
+#include "surface/base/instruction_sets.h"
 
 namespace tangi {
 
 // The parameter is the set's name: INSTANTIATE_TEST_SUITE_P(Sets, ..., every_instruction_set(), name_of_set).
 class OnInstructionSet : public testing::TestWithParam<std::string> {
 protected:
-    void SetUp() override { use_ward_instruction_set(GetParam()); }
-    void TearDown() override { use_ward_instruction_set(""); }
+    void SetUp() override { use_instruction_set(GetParam()); }
+    void TearDown() override { use_instruction_set(""); }
 };
 
-inline auto every_instruction_set() { return testing::ValuesIn(ward_instruction_sets()); }
+inline auto every_instruction_set() { return testing::ValuesIn(instruction_sets()); }
 inline std::string name_of_set(const testing::TestParamInfo<std::string>& set) { return set.param; }
 
 }  // namespace tangi

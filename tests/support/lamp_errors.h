@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "fit/light_calibration.h"
-#include "surface/median.h"
+#include "fit/calibration/light_calibration.h"
+#include "surface/base/median.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <opencv2/aruco.hpp>
 
-#include "chart_pictures.h"
+#include "tests/support/chart_pictures.h"
 
 namespace tangi {
 

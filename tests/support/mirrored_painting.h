@@ -1,7 +1,7 @@
 // mirrored_painting.h: a mirror ball that lies on a painting and mirrors it: its outline hardly shows.
 #pragma once
 
-#include "ball_pictures.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "surface/image.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

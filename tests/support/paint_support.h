@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "paint/brush.h"
-#include "paint/canvas.h"
-#include "paint/palette.h"
-#include "paint/session.h"
-#include "paint/stroke.h"
+#include "paint/brush/brush.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/palette.h"
+#include "paint/session/session.h"
+#include "paint/stroke/stroke.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
 // painter_support.h: a painter of a small painting in a folder of its own.
 #pragma once
 
-#include "paint/canvas_file.h"
-#include "paint_support.h"
-#include "record_support.h"
-#include "surface/painting_file.h"
-#include "viewer/painter.h"
-#include "viewer_support.h"
+#include "paint/files/canvas_file.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/record_support.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/model/painter.h"
 
 namespace tangi {
 

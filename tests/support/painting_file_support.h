@@ -1,8 +1,8 @@
 // painting_file_support.h: a surface whose every value is another.
 #pragma once
 
-#include "surface/surface.h"
-#include "tests/test_support.h"
+#include "surface/maps/surface.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "capture/photo_file.h"
-#include "tests/test_support.h"
+#include "capture/photo/photo_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

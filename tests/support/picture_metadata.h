@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <string>
 
-#include "surface/deflated.h"
-#include "surface/icc_profile.h"
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "surface/file/deflated.h"
+#include "surface/image_file/icc_profile.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "paint/canvas_file.h"
-#include "paint/session.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "viewer/sitting.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "paint/session/session.h"
+#include "surface/base/error.h"
+#include "viewer/model/crash_recovery.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "painter_support.h"
+#include "tests/support/painter_support.h"
 
 namespace tangi {
 

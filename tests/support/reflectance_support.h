@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 
-#include "surface/ward.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 

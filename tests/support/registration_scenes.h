@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 
-#include "capture/registration.h"
+#include "capture/registration/registration.h"
 #include "datasets/generator.h"
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-#include "surface/error.h"
-#include "surface/image.h"
-#include "surface/light.h"
-#include "surface/picture_file.h"
+#include "surface/base/error.h"
+#include "surface/image/image.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/light.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // OpenImageIO 2.4 keeps the error message of each reader in a table of the thread, and does not free it.

@@ -5,11 +5,11 @@
 
 #include <thread>
 
-#include "damage_truth.h"
-#include "paint/canvas_file.h"
-#include "surface/painting_file.h"
-#include "viewer/treatment_desk.h"
-#include "viewer_support.h"
+#include "paint/files/canvas_file.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/damage_truth.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

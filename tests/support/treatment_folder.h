@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "paint/retouch/treatment.h"
-#include "surface/painting_file.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "test_support.h"
-#include "viewer/gl/headless.h"
-#include "viewer/renderer.h"
+#include "tests/support/test_support.h"
+#include "viewer/render/headless.h"
+#include "viewer/render/renderer.h"
 
 namespace tangi {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "datasets/generator.h"
-#include "fit/ward_fit.h"
-#include "test_support.h"
+#include "fit/pixel/ward_fit.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

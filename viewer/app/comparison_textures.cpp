@@ -1,4 +1,4 @@
-#include "viewer/held_pictures.h"
+#include "viewer/app/comparison_textures.h"
 
 namespace tangi {
 

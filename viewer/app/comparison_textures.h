@@ -1,10 +1,10 @@
-// held_pictures.h: the pictures of a photograph and of the relit painting as textures.
+// comparison_textures.h: the pictures of a photograph and of the relit painting as textures.
 #pragma once
 
-#include "viewer/gl/objects.h"
-#include "viewer/monitor.h"
-#include "viewer/photo_book.h"
-#include "viewer/window_state.h"
+#include "viewer/model/photo_source.h"
+#include "viewer/model/window_state.h"
+#include "viewer/render/display_profile.h"
+#include "viewer/render/objects.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/map_texture.h"
+#include "viewer/app/damage_map_texture.h"
 
 #include <epoxy/gl.h>
 

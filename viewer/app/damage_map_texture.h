@@ -1,8 +1,8 @@
-// map_texture.h: the damage map as a texture.
+// damage_map_texture.h: the damage map as a texture.
 #pragma once
 
-#include "viewer/damage_map.h"
-#include "viewer/gl/objects.h"
+#include "viewer/model/damage_map.h"
+#include "viewer/render/objects.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/desktop.h"
+#include "viewer/app/desktop.h"
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

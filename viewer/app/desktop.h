@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "viewer/fonts.h"
+#include "viewer/panels/fonts.h"
 
 struct GLFWwindow;
 

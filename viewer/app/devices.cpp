@@ -1,8 +1,8 @@
-#include "viewer/devices.h"
+#include "viewer/app/devices.h"
 
 #include <utility>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string>
 
-#include "viewer/camera.h"
-#include "viewer/gamepad.h"
-#include "viewer/tilt_sensor.h"
+#include "viewer/app/gamepad.h"
+#include "viewer/devices/tilt_sensor.h"
+#include "viewer/devices/webcam.h"
 
 namespace tangi {
 

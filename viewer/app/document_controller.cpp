@@ -1,14 +1,14 @@
-#include "viewer/desk.h"
+#include "viewer/app/document_controller.h"
 
 #include <fmt/format.h>
 
-#include "paint/canvas_file.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "surface/output_set.h"
-#include "viewer/settings.h"
-#include "viewer/treatment_desk.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "surface/file/output_set.h"
+#include "viewer/model/user_settings.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
-// desk.h: what happens beside the painting in the window: another one being opened, a fit that runs,
-// photographs held against it, the paintings opened last. No OpenGL.
+// document_controller.h: what happens beside the painting in the window: another one being opened, a fit that
+// runs, photographs held against it, the paintings opened last. No OpenGL.
 #pragma once
 
 #include <functional>
@@ -7,11 +7,11 @@
 #include <memory>
 #include <optional>
 
-#include "viewer/comparison.h"
-#include "viewer/job.h"
-#include "viewer/painter.h"
-#include "viewer/window_state.h"
-#include "viewer/workshop.h"
+#include "viewer/model/background_job.h"
+#include "viewer/model/comparison.h"
+#include "viewer/model/host_services.h"
+#include "viewer/model/painter.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/first_opening.h"
+#include "viewer/app/first_opening.h"
 
 #include <chrono>
 

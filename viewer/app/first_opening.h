@@ -7,8 +7,8 @@
 #include <mutex>
 #include <string>
 
-#include "surface/progress.h"
-#include "viewer/desk.h"
+#include "surface/base/progress.h"
+#include "viewer/app/document_controller.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/gamepad.h"
+#include "viewer/app/gamepad.h"
 
 #include <GLFW/glfw3.h>
 

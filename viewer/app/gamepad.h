@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "viewer/window_state.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi {
 

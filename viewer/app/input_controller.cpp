@@ -1,4 +1,4 @@
-#include "viewer/hand.h"
+#include "viewer/app/input_controller.h"
 
 #include <GLFW/glfw3.h>
 

@@ -1,10 +1,10 @@
-// hand.h: what mouse and keys do to the window's state and to the painting. No OpenGL.
+// input_controller.h: what mouse and keys do to the window's state and to the painting. No OpenGL.
 #pragma once
 
 #include <cstdint>
 
-#include "viewer/input.h"
-#include "viewer/window_state.h"
+#include "viewer/devices/input.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi {
 

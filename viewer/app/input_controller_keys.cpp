@@ -1,11 +1,11 @@
-// hand_keys.cpp: what keys do, of the hand.
+// input_controller_keys.cpp: what keys do, of the hand.
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "viewer/hand.h"
+#include "viewer/app/input_controller.h"
 
 namespace tangi {
 

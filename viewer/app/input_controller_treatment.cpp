@@ -1,5 +1,5 @@
-// hand_treatment.cpp: of the hand: damage that is drawn, and keys of a treatment.
-#include "viewer/hand.h"
+// input_controller_treatment.cpp: of the hand: damage that is drawn, and keys of a treatment.
+#include "viewer/app/input_controller.h"
 
 #include <GLFW/glfw3.h>
 

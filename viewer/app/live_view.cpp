@@ -1,4 +1,4 @@
-#include "viewer/live_picture.h"
+#include "viewer/app/live_view.h"
 
 #include <epoxy/gl.h>
 

@@ -1,8 +1,8 @@
-// live_picture.h: the picture in the window.
+// live_view.h: the picture in the window.
 #pragma once
 
-#include "viewer/renderer.h"
-#include "viewer/view.h"
+#include "viewer/render/renderer.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/panel_input.h"
+#include "viewer/app/panel_input.h"
 
 #include <GLFW/glfw3.h>
 #include <imgui.h>

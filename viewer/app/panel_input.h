@@ -9,7 +9,7 @@
 #include <bitset>
 #include <deque>
 
-#include "viewer/input.h"
+#include "viewer/devices/input.h"
 
 namespace tangi {
 

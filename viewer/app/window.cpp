@@ -1,4 +1,4 @@
-#include "viewer/window.h"
+#include "viewer/app/window.h"
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -10,12 +10,12 @@
 #include <cmath>
 #include <cstddef>
 
-#include "surface/error.h"
-#include "surface/painting_parts.h"
+#include "surface/base/error.h"
+#include "surface/painting_file/painting_parts.h"
+#include "viewer/app/window_app.h"
 #include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
-#include "viewer/shown_texts.h"
-#include "viewer/window_app.h"
+#include "viewer/panels/shown_texts.h"
 
 namespace tangi {
 

@@ -7,13 +7,13 @@
 #include <map>
 #include <string>
 
-#include "paint/brush_settings.h"
-#include "paint/canvas.h"
-#include "paint/palette.h"
-#include "paint/retouch/treatment.h"
-#include "surface/progress.h"
-#include "viewer/monitor.h"
-#include "viewer/workshop.h"
+#include "paint/brush/brush_settings.h"
+#include "paint/canvas/canvas.h"
+#include "paint/optics/palette.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/base/progress.h"
+#include "viewer/model/host_services.h"
+#include "viewer/render/display_profile.h"
 
 namespace tangi {
 
@@ -49,8 +49,9 @@ struct WindowResult {
     std::string drawn_by;
 };
 
-// Shows the window until it is closed. A large painting is first seen as its overview (surface/overview.h).
-// Throws Error where there is no display or no OpenGL 3.3, and what `open` throws.
+// Shows the window until it is closed. A large painting is first seen as its overview
+// (surface/painting_file/overview.h). Throws Error where there is no display or no OpenGL 3.3, and what
+// `open` throws.
 WindowResult run_window(WindowSetup setup, const Progress& progress = {});
 
 }  // namespace tangi

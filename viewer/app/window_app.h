@@ -9,21 +9,21 @@
 #include <optional>
 #include <string>
 
-#include "viewer/desk.h"
-#include "viewer/desktop.h"
-#include "viewer/devices.h"
-#include "viewer/first_opening.h"
-#include "viewer/hand.h"
-#include "viewer/held_pictures.h"
-#include "viewer/live_picture.h"
-#include "viewer/map_texture.h"
-#include "viewer/panel_input.h"
+#include "viewer/app/comparison_textures.h"
+#include "viewer/app/damage_map_texture.h"
+#include "viewer/app/desktop.h"
+#include "viewer/app/devices.h"
+#include "viewer/app/document_controller.h"
+#include "viewer/app/first_opening.h"
+#include "viewer/app/input_controller.h"
+#include "viewer/app/live_view.h"
+#include "viewer/app/panel_input.h"
+#include "viewer/app/window.h"
+#include "viewer/model/substrate_preview.h"
+#include "viewer/model/user_settings.h"
 #include "viewer/panels/file_dialog.h"
-#include "viewer/recorder.h"
-#include "viewer/settings.h"
-#include "viewer/substrate_preview.h"
-#include "viewer/treatment_desk.h"
-#include "viewer/window.h"
+#include "viewer/treatment/treatment_desk.h"
+#include "viewer/video/video_recorder.h"
 
 namespace tangi {
 

@@ -8,11 +8,11 @@
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "surface/fit_doubts.h"
-#include "surface/overview.h"
+#include "surface/base/error.h"
+#include "surface/painting_file/fit_doubts.h"
+#include "surface/painting_file/overview.h"
+#include "viewer/app/window_app.h"
 #include "viewer/panels/panels.h"
-#include "viewer/window_app.h"
 
 namespace tangi {
 

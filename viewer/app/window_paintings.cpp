@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "viewer/file_ending.h"
-#include "viewer/settings.h"
-#include "viewer/window_app.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "viewer/app/window_app.h"
+#include "viewer/model/user_settings.h"
+#include "viewer/panels/file_ending.h"
 
 namespace tangi {
 

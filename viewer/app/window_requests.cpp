@@ -5,11 +5,11 @@
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "surface/picture_file.h"
-#include "viewer/sweep.h"
-#include "viewer/window_app.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "surface/image_file/image_io.h"
+#include "viewer/app/window_app.h"
+#include "viewer/video/light_sweep.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/room_light.h"
+#include "viewer/devices/ambient_light_tracking.h"
 
 #include <algorithm>
 #include <cmath>

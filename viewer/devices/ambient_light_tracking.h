@@ -1,10 +1,10 @@
-// room_light.h: the light of the room as a camera at the screen sees it (thesis 5.2.2): its brightest
-// direction.
+// ambient_light_tracking.h: the light of the room as a camera at the screen sees it (thesis 5.2.2): its
+// brightest direction.
 #pragma once
 
 #include <optional>
 
-#include "viewer/head.h"
+#include "viewer/devices/head_tracking.h"
 
 namespace tangi {
 

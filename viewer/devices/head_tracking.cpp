@@ -1,4 +1,4 @@
-#include "viewer/head.h"
+#include "viewer/devices/head_tracking.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// head.h: from where the painting is looked at, as a camera at the screen sees the head (tangiBook of the
-// thesis).
+// head_tracking.h: from where the painting is looked at, as a camera at the screen sees the head (tangiBook
+// of the thesis).
 //
 // The camera looks out of the screen, so that the left of its picture is the right of the screen. No camera
 // here: boxes in, directions out.
@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "surface/image.h"
-#include "viewer/one_euro.h"
+#include "surface/image/image.h"
+#include "viewer/devices/one_euro.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/input.h"
+#include "viewer/devices/input.h"
 
 #include <GLFW/glfw3.h>
 

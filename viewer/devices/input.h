@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "viewer/pen.h"
-#include "viewer/touch.h"
-#include "viewer/view.h"
+#include "viewer/devices/pen.h"
+#include "viewer/devices/touch.h"
+#include "viewer/render/view.h"
 
 struct GLFWwindow;
 

@@ -1,4 +1,4 @@
-#include "viewer/pen.h"
+#include "viewer/devices/pen.h"
 
 #include <algorithm>
 #include <cctype>

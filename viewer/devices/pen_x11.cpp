@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "viewer/pen.h"
-#include "viewer/x11_connection.h"
+#include "viewer/devices/pen.h"
+#include "viewer/devices/x11_connection.h"
 
 namespace tangi {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "viewer/input.h"
+#include "viewer/devices/input.h"
 
 namespace tangi {
 

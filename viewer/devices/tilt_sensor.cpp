@@ -1,4 +1,4 @@
-#include "viewer/tilt_sensor.h"
+#include "viewer/devices/tilt_sensor.h"
 
 #include <fmt/format.h>
 
@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "surface/error.h"
-#include "surface/error_message.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
 
 namespace tangi {
 

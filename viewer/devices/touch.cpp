@@ -1,4 +1,4 @@
-#include "viewer/touch.h"
+#include "viewer/devices/touch.h"
 
 #include <GLFW/glfw3.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "viewer/input.h"
+#include "viewer/devices/input.h"
 
 namespace tangi {
 

@@ -5,8 +5,8 @@
 
 #include <set>
 
-#include "viewer/touch.h"
-#include "viewer/x11_connection.h"
+#include "viewer/devices/touch.h"
+#include "viewer/devices/x11_connection.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/camera.h"
+#include "viewer/devices/webcam.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 #include <opencv2/videoio.hpp>
 #include <thread>
 
-#include "surface/error.h"
-#include "viewer/room_light.h"
+#include "surface/base/error.h"
+#include "viewer/devices/ambient_light_tracking.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// camera.h: a webcam that looks at whoever looks at the painting: where the head is, where the light is.
+// webcam.h: a webcam that looks at whoever looks at the painting: where the head is, where the light is.
 //
 // On a thread of its own. Pictures stay there: none is kept, shown or written.
 #pragma once
@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "viewer/head.h"
+#include "viewer/devices/head_tracking.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/x11_connection.h"
+#include "viewer/devices/x11_connection.h"
 
 #include <X11/Xlib.h>
 #include <X11/extensions/XInput2.h>

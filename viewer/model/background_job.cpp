@@ -1,9 +1,9 @@
-#include "viewer/job.h"
+#include "viewer/model/background_job.h"
 
 #include <chrono>
 
-#include "surface/error_message.h"
-#include "surface/stale_temporaries.h"
+#include "surface/file/error_message.h"
+#include "surface/file/stale_temporaries.h"
 
 namespace tangi {
 

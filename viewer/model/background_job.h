@@ -1,4 +1,5 @@
-// job.h: one long piece of work beside the window, which goes on being looked at: opening, fitting.
+// background_job.h: one long piece of work beside the window, which goes on being looked at: opening,
+// fitting.
 #pragma once
 
 #include <atomic>
@@ -7,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "surface/progress.h"
+#include "surface/base/progress.h"
 
 namespace tangi {
 

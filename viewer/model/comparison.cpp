@@ -1,9 +1,9 @@
-#include "viewer/comparison.h"
+#include "viewer/model/comparison.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "surface/error_message.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
 
 namespace tangi {
 

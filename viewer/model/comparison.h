@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "viewer/photo_book.h"
+#include "viewer/model/photo_source.h"
 
 namespace tangi {
 

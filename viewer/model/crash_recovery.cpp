@@ -1,11 +1,11 @@
-#include "viewer/sitting.h"
+#include "viewer/model/crash_recovery.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "paint/journal_file_text.h"
-#include "surface/error.h"
+#include "paint/session/journal_file_text.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// sitting.h: the record of a sitting that was not saved yet, and what a crash left of one.
+// crash_recovery.h: the record of a sitting that was not saved yet, and what a crash left of one.
 //
 // Beside x.exr: x.unsaved.jsonl, the journal of what was done since the painting was saved; x.strokes.jsonl,
 // of all that was done before. Saving puts painting and record in place together (OutputSet), and with them
@@ -11,9 +11,9 @@
 #include <memory>
 #include <optional>
 
-#include "paint/journal.h"
-#include "surface/atomic_file.h"
-#include "surface/output_set.h"
+#include "paint/session/journal.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/output_set.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "viewer/damage_map.h"
+#include "viewer/model/damage_map.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -6,8 +6,8 @@
 #include <glm/gtc/type_precision.hpp>
 #include <vector>
 
-#include "paint/retouch/treatment.h"
-#include "viewer/treating.h"
+#include "retouch/treatment/treatment.h"
+#include "viewer/model/treatment_state.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
-// workshop.h: what the window has done for it by parts of the program that the viewer may not use; cli/ fills
-// it (docs/architecture.md).
+// host_services.h: what the window has done for it by parts of the program that the viewer may not use; cli/
+// fills it (docs/architecture.md).
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "paint/canvas.h"
-#include "surface/painting_parts.h"
-#include "surface/surface.h"
-#include "viewer/photo_book.h"
+#include "paint/canvas/canvas.h"
+#include "surface/maps/surface.h"
+#include "surface/painting_file/painting_parts.h"
+#include "viewer/model/photo_source.h"
 
 namespace tangi {
 
@@ -28,8 +28,8 @@ struct Workshop {
     std::function<std::string(const std::filesystem::path& photographs, const std::filesystem::path& out,
                               const Progress& progress)>
         fit{};
-    // Writes what is on the canvas of the painting in `file`, with the palette and brush (tools_file.h), in a
-    // format of `tangipaint export --to` to `out`; what is to be said about it, or nothing. Throws Error,
+    // Writes what is on the canvas of the painting in `file`, with the palette and brush (palette_part.h), in
+    // a format of `tangipaint export --to` to `out`; what is to be said about it, or nothing. Throws Error,
     // Cancelled.
     std::function<std::string(const Canvas& canvas, const std::vector<PartToWrite>& tools,
                               const std::filesystem::path& file, const std::string& format,

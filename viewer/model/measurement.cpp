@@ -1,4 +1,4 @@
-#include "viewer/measure.h"
+#include "viewer/model/measurement.h"
 
 #include <fmt/format.h>
 

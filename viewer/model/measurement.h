@@ -1,12 +1,12 @@
-// measure.h: what a conservator measures on a painting: heights along a line, statistics of a region.
+// measurement.h: what a conservator measures on a painting: heights along a line, statistics of a region.
 #pragma once
 
 #include <glm/vec2.hpp>
 #include <string>
 #include <vector>
 
-#include "surface/colour.h"
-#include "surface/surface.h"
+#include "surface/image/colour.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

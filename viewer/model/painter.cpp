@@ -1,18 +1,18 @@
-#include "viewer/painter.h"
+#include "viewer/model/painter.h"
 
 #include <chrono>
 
-#include "paint/appearance.h"
-#include "paint/canvas_file.h"
-#include "paint/canvas_hash.h"
-#include "paint/journal_file_text.h"
-#include "paint/mixing_board.h"
-#include "paint/retouch/confining_mask.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "surface/painting_file.h"
-#include "surface/stale_temporaries.h"
+#include "paint/canvas/appearance.h"
+#include "paint/canvas/canvas_hash.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "paint/session/journal_file_text.h"
+#include "paint/session/mixing_board.h"
+#include "retouch/treatment/confining_mask.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "surface/file/stale_temporaries.h"
+#include "surface/painting_file/painting_file.h"
 
 namespace tangi {
 

@@ -1,8 +1,8 @@
 // painter.h: the painting engine on a thread of its own, so that looking never waits for painting.
 //
-// The window sends events; the painter applies them to the canvas, records them (sitting.h), makes texels of
-// what has changed, and tells where, for the window to upload them. What a stroke under way is in the way of
-// ends it, and what comes of the stroke after that is left out (paint/event_order.h).
+// The window sends events; the painter applies them to the canvas, records them (crash_recovery.h), makes
+// texels of what has changed, and tells where, for the window to upload them. What a stroke under way is in
+// the way of ends it, and what comes of the stroke after that is left out (paint/session/event_order.h).
 #pragma once
 
 #include <atomic>
@@ -19,16 +19,16 @@
 #include <thread>
 #include <vector>
 
-#include "paint/appearance.h"
-#include "paint/session.h"
-#include "surface/file_stamp.h"
-#include "surface/part_pixels.h"
-#include "viewer/board_picture.h"
-#include "viewer/horizon.h"
-#include "viewer/measure.h"
-#include "viewer/painting_claim.h"
-#include "viewer/sitting.h"
-#include "viewer/texels.h"
+#include "paint/canvas/appearance.h"
+#include "paint/session/session.h"
+#include "surface/file/file_stamp.h"
+#include "surface/painting_file/exr_pixel_reader.h"
+#include "viewer/model/crash_recovery.h"
+#include "viewer/model/measurement.h"
+#include "viewer/model/painting_lock.h"
+#include "viewer/model/palette_image.h"
+#include "viewer/render/horizon.h"
+#include "viewer/render/texels.h"
 
 namespace tangi {
 
@@ -150,7 +150,7 @@ public:
         std::string journal;            // of what was done since the last time; empty: nothing
         std::filesystem::path unsaved;  // its file, which goes with what is kept; need not be there
         std::map<std::string, std::string> masks;  // that it names -> what their files hold
-        std::vector<PartToWrite> tools;            // palette and brush as they are now (tools_file.h)
+        std::vector<PartToWrite> tools;            // palette and brush as they are now (palette_part.h)
     };
     struct Kept {
         std::string said;

@@ -1,8 +1,8 @@
 // painter_canvas.cpp: of the painter: the canvas changed, confined and shown otherwise than by strokes.
 #include <algorithm>
 
-#include "paint/appearance_part.h"
-#include "viewer/painter.h"
+#include "paint/canvas/appearance_part.h"
+#include "viewer/model/painter.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
 // painter_probe.cpp: of the painter: what is looked at and measured, and the map of horizons.
-#include "viewer/painter.h"
+#include "viewer/model/painter.h"
 
 #include <algorithm>
 #include <chrono>

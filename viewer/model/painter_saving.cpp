@@ -1,13 +1,13 @@
 // painter_saving.cpp: of the painter: strokes recorded and recovered, the painting saved.
-#include "paint/canvas_file.h"
-#include "paint/canvas_hash.h"
-#include "paint/retouch/confining_mask.h"
-#include "paint/tools_file.h"
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "surface/overview.h"
-#include "surface/painting_file.h"
-#include "viewer/painter.h"
+#include "paint/canvas/canvas_hash.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "retouch/treatment/confining_mask.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "surface/painting_file/overview.h"
+#include "surface/painting_file/painting_file.h"
+#include "viewer/model/painter.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/painting_claim.h"
+#include "viewer/model/painting_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// painting_claim.h: a painting is painted in one window at a time.
+// painting_lock.h: a painting is painted in one window at a time.
 #pragma once
 
 #include <filesystem>

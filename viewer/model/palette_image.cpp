@@ -1,14 +1,14 @@
-#include "viewer/board_picture.h"
+#include "viewer/model/palette_image.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
-#include "paint/kubelka_munk.h"
-#include "surface/colour.h"
-#include "surface/parallel.h"
-#include "surface/relight.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/parallel.h"
+#include "surface/image/colour.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

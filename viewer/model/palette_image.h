@@ -1,12 +1,12 @@
-// board_picture.h: what the palette looks like that paints are mixed on, and paint by itself. No OpenGL.
+// palette_image.h: what the palette looks like that paints are mixed on, and paint by itself. No OpenGL.
 #pragma once
 
 #include <glm/gtc/type_precision.hpp>
 #include <span>
 #include <vector>
 
-#include "paint/pigment.h"
-#include "surface/surface.h"
+#include "paint/optics/pigment.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// photo_book.h: photographs to hold against the painting, as the window wants them.
+// photo_source.h: photographs to hold against the painting, as the window wants them.
 //
 // Who relights and measures is not the viewer's business: cli/ makes a book of capture/ and fit/, which the
 // viewer may not use (docs/architecture.md), and hands it to the window.
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "surface/light.h"
-#include "surface/progress.h"
+#include "surface/base/progress.h"
+#include "surface/maps/light.h"
 
 namespace tangi {
 

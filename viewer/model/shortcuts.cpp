@@ -1,4 +1,4 @@
-#include "viewer/shortcuts.h"
+#include "viewer/model/shortcuts.h"
 
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
@@ -9,10 +9,10 @@
 #include <set>
 #include <sstream>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

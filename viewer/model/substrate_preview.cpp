@@ -1,13 +1,13 @@
-#include "viewer/substrate_preview.h"
+#include "viewer/model/substrate_preview.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "surface/surface_part.h"
-#include "viewer/board_picture.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "surface/maps/surface_part.h"
+#include "viewer/model/palette_image.h"
 
 namespace tangi {
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "paint/substrate_choice.h"
-#include "viewer/view.h"
+#include "paint/substrate/substrate_choice.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

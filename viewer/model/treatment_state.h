@@ -1,4 +1,5 @@
-// treating.h: the treatment of the painting in the window, as its panels show and change it. No OpenGL.
+// treatment_state.h: the treatment of the painting in the window, as its panels show and change it. No
+// OpenGL.
 #pragma once
 
 #include <array>
@@ -9,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "paint/retouch/area_suggestion.h"
-#include "paint/retouch/fill.h"
-#include "paint/retouch/mask_draft.h"
-#include "paint/retouch/modes.h"
-#include "paint/retouch/pigment_pairs.h"
-#include "paint/retouch/treatment_steps.h"
-#include "viewer/job.h"
-#include "viewer/view.h"
+#include "retouch/colour_match/pigment_pairs.h"
+#include "retouch/damage/area_suggestion.h"
+#include "retouch/fill/fill.h"
+#include "retouch/inpaint/retouch_modes.h"
+#include "retouch/mask/mask_editor.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "viewer/model/background_job.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-#include "viewer/settings.h"
+#include "viewer/model/user_settings.h"
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-// settings.h: what the program remembers of its user: a folder, and in it the paintings opened last.
+// user_settings.h: what the program remembers of its user: a folder, and in it the paintings opened last.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/file_stamp.h"
+#include "surface/file/file_stamp.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/window_state.h"
+#include "viewer/model/window_state.h"
 
 #include <algorithm>
 #include <array>

@@ -9,19 +9,19 @@
 #include <utility>
 #include <vector>
 
-#include "paint/brush_settings.h"
-#include "paint/journal.h"
-#include "paint/palette.h"
-#include "paint/substrate_choice.h"
-#include "viewer/comparison.h"
-#include "viewer/job.h"
-#include "viewer/look.h"
-#include "viewer/painter.h"
-#include "viewer/pen.h"
-#include "viewer/shortcuts.h"
-#include "viewer/tilt.h"
-#include "viewer/treating.h"
-#include "viewer/view.h"
+#include "paint/brush/brush_settings.h"
+#include "paint/optics/palette.h"
+#include "paint/session/journal.h"
+#include "paint/substrate/substrate_choice.h"
+#include "viewer/devices/pen.h"
+#include "viewer/model/background_job.h"
+#include "viewer/model/comparison.h"
+#include "viewer/model/painter.h"
+#include "viewer/model/shortcuts.h"
+#include "viewer/model/treatment_state.h"
+#include "viewer/render/tilt.h"
+#include "viewer/render/view.h"
+#include "viewer/render/view_mode.h"
 
 namespace tangi {
 

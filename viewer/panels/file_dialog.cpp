@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "surface/file_name.h"
-#include "surface/picture_file.h"
-#include "viewer/file_ending.h"
+#include "surface/file/file_name.h"
+#include "surface/image_file/image_io.h"
+#include "viewer/panels/file_ending.h"
 
 namespace tangi::panels {
 

@@ -1,11 +1,11 @@
-#include "viewer/file_ending.h"
+#include "viewer/panels/file_ending.h"
 
 #include <fmt/format.h>
 
 #include <cstdlib>
 
-#include "surface/file_name.h"
-#include "surface/picture_file.h"
+#include "surface/file/file_name.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/fonts.h"
+#include "viewer/panels/fonts.h"
 
 #include <backends/imgui_impl_opengl3.h>
 #include <fontconfig/fontconfig.h>

@@ -88,16 +88,16 @@ void scale_of_colours(const WindowState& s) {
         default:
             return;
     }
-    constexpr int kCells = 48;
+    constexpr int kScaleCells = 48;
     const float line = ImGui::GetTextLineHeight(), wide = ImGui::CalcItemWidth();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::Dummy({wide, 2 * line});
     ImDrawList* draw = ImGui::GetWindowDrawList();
-    for (int i = 0; i < kCells; ++i) {
+    for (int i = 0; i < kScaleCells; ++i) {
         const Rgb c =
-            Transfer{Transfer::Kind::srgb}.encode(false_colour((static_cast<float>(i) + 0.5f) / kCells));
-        draw->AddRectFilled({at.x + wide * static_cast<float>(i) / kCells, at.y + line},
-                            {at.x + wide * static_cast<float>(i + 1) / kCells, at.y + 2 * line},
+            Transfer{Transfer::Kind::srgb}.encode(false_colour((static_cast<float>(i) + 0.5f) / kScaleCells));
+        draw->AddRectFilled({at.x + wide * static_cast<float>(i) / kScaleCells, at.y + line},
+                            {at.x + wide * static_cast<float>(i + 1) / kScaleCells, at.y + 2 * line},
                             ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}));
     }
     for (std::size_t i = 0; i < labels.size(); ++i) {

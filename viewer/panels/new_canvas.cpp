@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "viewer/model/substrate_preview.h"
 #include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
-#include "viewer/substrate_preview.h"
 
 namespace tangi::panels {
 

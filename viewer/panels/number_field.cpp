@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-#include "surface/typed_number.h"
+#include "surface/base/typed_number.h"
 
 namespace tangi::panels {
 

@@ -1,7 +1,7 @@
 // number_field.h: sliders and fields in which numbers are typed.
 //
 // Dear ImGui drops characters that it does not expect, so that "120,5" would become 1205, and takes "12 cm"
-// for 12. Here what was typed is read as a whole (surface/typed_number.h) when the field is left: it is
+// for 12. Here what was typed is read as a whole (surface/base/typed_number.h) when the field is left: it is
 // taken, or refused with words and the value stays. All numbers of the panels are typed here. The unit that
 // the field shows, in its format ("%.1f mm") or in its label ("Width, mm"), may be typed behind the number.
 #pragma once
@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "surface/surface.h"
+#include "surface/maps/surface.h"
 
 namespace tangi::panels {
 

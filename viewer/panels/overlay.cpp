@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "surface/colour.h"
-#include "surface/page_parts.h"
+#include "surface/image/colour.h"
+#include "surface/report/html_report.h"
 #include "viewer/panels/panels.h"
 
 namespace tangi::panels {

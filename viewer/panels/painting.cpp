@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "viewer/board_picture.h"
+#include "viewer/model/palette_image.h"
 #include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
 

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "viewer/window_state.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi::panels {
 

@@ -1,4 +1,4 @@
-#include "viewer/shown_texts.h"
+#include "viewer/panels/shown_texts.h"
 
 namespace tangi {
 

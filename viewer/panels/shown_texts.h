@@ -4,7 +4,7 @@
 #include <functional>
 #include <string_view>
 
-#include "viewer/window_state.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-#include "viewer/scene_picture.h"
+#include "viewer/render/cpu_render.h"
 
 #include <algorithm>
 
-#include "paint/retouch/treatment_picture.h"
-#include "surface/relight.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
-// scene_picture.h: a scene as the reference renderer has it, pixel by pixel, without OpenGL.
+// cpu_render.h: a scene as the reference renderer has it, pixel by pixel, without OpenGL.
 #pragma once
 
-#include "surface/progress.h"
-#include "surface/surface.h"
-#include "viewer/look.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
+#include "viewer/render/view_mode.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "viewer/monitor.h"
+#include "viewer/render/display_profile.h"
 
 #include <fmt/format.h>
 #include <lcms2.h>
 
 #include <array>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

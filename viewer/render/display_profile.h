@@ -1,5 +1,5 @@
-// monitor.h: the colours of this monitor, as its ICC profile describes them, so that a painting looks on it
-// as it is.
+// display_profile.h: the colours of this monitor, as its ICC profile describes them, so that a painting looks
+// on it as it is.
 //
 // What is drawn is linear Rec. 709; lcms2 says what the monitor has to be told for it. The window asks a
 // table of that for each pixel (Renderer::set_monitor); pictures that are made beside it are changed as they

@@ -1,8 +1,9 @@
-// monitor_x11.cpp: the profile that a desktop has put on the screen: "ICC Profiles in X Specification" 0.4.
+// display_profile_x11.cpp: the profile that a desktop has put on the screen: "ICC Profiles in X
+// Specification" 0.4.
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 
-#include "viewer/monitor.h"
+#include "viewer/render/display_profile.h"
 
 namespace tangi {
 

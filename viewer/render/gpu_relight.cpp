@@ -1,10 +1,10 @@
-#include "viewer/gpu_relight.h"
+#include "viewer/render/gpu_relight.h"
 
 #include <algorithm>
 
-#include "surface/error.h"
-#include "viewer/gl/headless.h"
-#include "viewer/renderer.h"
+#include "surface/base/error.h"
+#include "viewer/render/headless.h"
+#include "viewer/render/renderer.h"
 
 namespace tangi {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "surface/relight.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 
@@ -19,7 +19,7 @@ public:
     GpuRelight(const GpuRelight&) = delete;
     GpuRelight& operator=(const GpuRelight&) = delete;
 
-    // As relight() in surface/relight.h. Throws Error for more than 8 lights.
+    // As relight() in surface/render/relight.h. Throws Error for more than 8 lights.
     Image<Rgb> relight(const std::vector<Light>& lights, const RelightOptions& options);
     const std::string& device() const;
 

@@ -1,4 +1,4 @@
-#include "viewer/gl/headless.h"
+#include "viewer/render/headless.h"
 
 #include <dlfcn.h>
 #include <epoxy/egl.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi::gl {
 

@@ -1,10 +1,10 @@
-#include "viewer/horizon.h"
+#include "viewer/render/horizon.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "surface/image.h"
-#include "surface/progress.h"
+#include "surface/base/progress.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 

@@ -1,6 +1,6 @@
-#include "viewer/gl/objects.h"
+#include "viewer/render/objects.h"
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi::gl {
 

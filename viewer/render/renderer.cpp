@@ -1,12 +1,13 @@
-#include "viewer/renderer.h"
+#include "viewer/render/renderer.h"
 
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 #include <numbers>
 
-#include "surface/error.h"
-#include "viewer/shaders.h"
-#include "viewer/view.h"
+#include "surface/base/error.h"
+#include "viewer/render/fragment_shader.h"
+#include "viewer/render/vertex_shader.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

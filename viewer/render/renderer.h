@@ -12,13 +12,13 @@
 #include <memory>
 #include <string>
 
-#include "surface/surface.h"
-#include "viewer/gl/objects.h"
-#include "viewer/horizon.h"
-#include "viewer/look.h"
-#include "viewer/monitor.h"
-#include "viewer/texels.h"
-#include "viewer/tile_cache.h"
+#include "surface/maps/surface.h"
+#include "viewer/render/display_profile.h"
+#include "viewer/render/horizon.h"
+#include "viewer/render/objects.h"
+#include "viewer/render/texels.h"
+#include "viewer/render/tile_cache.h"
+#include "viewer/render/view_mode.h"
 
 namespace tangi {
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "surface/error.h"
-#include "viewer/renderer.h"
-#include "viewer/view.h"
+#include "surface/base/error.h"
+#include "viewer/render/renderer.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

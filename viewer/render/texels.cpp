@@ -1,10 +1,10 @@
-#include "viewer/texels.h"
+#include "viewer/render/texels.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
 
 namespace tangi {
 

@@ -34,9 +34,9 @@
 #include <span>
 #include <vector>
 
-#include "surface/anisotropy.h"
-#include "surface/scratch_memory.h"
-#include "surface/surface.h"
+#include "surface/file/scratch_memory.h"
+#include "surface/maps/surface.h"
+#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 

@@ -1,12 +1,12 @@
-#include "viewer/tile_cache.h"
+#include "viewer/render/tile_cache.h"
 
 #include <algorithm>
 #include <climits>
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "surface/error.h"
-#include "viewer/view.h"
+#include "surface/base/error.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

@@ -15,7 +15,7 @@
 #include <tuple>
 #include <vector>
 
-#include "viewer/texels.h"
+#include "viewer/render/texels.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/tilt.h"
+#include "viewer/render/tilt.h"
 
 #include <algorithm>
 #include <cmath>

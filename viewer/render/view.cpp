@@ -1,4 +1,4 @@
-#include "viewer/view.h"
+#include "viewer/render/view.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// look.h: how a painting is looked at: its lights, and what of it is shown.
+// view_mode.h: how a painting is looked at: its lights, and what of it is shown.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "surface/relight.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 
@@ -55,7 +55,7 @@ inline Rgb false_colour(float t) {
 enum class Shadows {
     none,
     horizon,  // from a map made beforehand: fast
-    marched   // exactly as surface/relight.h, a step a pixel: slow
+    marched   // exactly as surface/render/relight.h, a step a pixel: slow
 };
 
 struct Scene {

@@ -1,16 +1,16 @@
-// treatment_work.cpp: of the treatment: what is asked of it, and steps that are laid.
+// treatment_actions.cpp: of the treatment: what is asked of it, and steps that are laid.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "paint/appearance_part.h"
-#include "paint/retouch/recipe_json.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_picture.h"
-#include "paint/retouch/treatment_report.h"
-#include "surface/error.h"
-#include "viewer/treatment_desk.h"
+#include "paint/canvas/appearance_part.h"
+#include "retouch/inpaint/recipe_json.h"
+#include "retouch/report/treatment_report.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "surface/base/error.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

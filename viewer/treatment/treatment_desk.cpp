@@ -1,15 +1,15 @@
-#include "viewer/treatment_desk.h"
+#include "viewer/treatment/treatment_desk.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "paint/retouch/confining_mask.h"
-#include "paint/retouch/treatment_area.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
+#include "retouch/treatment/confining_mask.h"
+#include "retouch/treatment/treatment_area.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 
 namespace tangi {
 

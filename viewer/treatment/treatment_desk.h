@@ -12,14 +12,14 @@
 #include <mutex>
 #include <optional>
 
-#include "paint/palette.h"
-#include "paint/retouch/mask_draft.h"
-#include "paint/retouch/treatment_steps.h"
-#include "viewer/damage_map.h"
-#include "viewer/job.h"
-#include "viewer/painter.h"
-#include "viewer/settings.h"
-#include "viewer/window_state.h"
+#include "paint/optics/palette.h"
+#include "retouch/mask/mask_editor.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "viewer/model/background_job.h"
+#include "viewer/model/damage_map.h"
+#include "viewer/model/painter.h"
+#include "viewer/model/user_settings.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi {
 

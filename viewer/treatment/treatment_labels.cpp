@@ -1,5 +1,5 @@
-// treatment_words.cpp: how things of a treatment are called in the window.
-#include "viewer/treatment_desk.h"
+// treatment_labels.cpp: how things of a treatment are called in the window.
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

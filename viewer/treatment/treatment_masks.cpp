@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "paint/retouch/treatment_area.h"
-#include "surface/error.h"
-#include "viewer/treatment_desk.h"
+#include "retouch/treatment/treatment_area.h"
+#include "surface/base/error.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

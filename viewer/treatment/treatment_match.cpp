@@ -3,11 +3,11 @@
 
 #include <sstream>
 
-#include "paint/retouch/paint_media.h"
-#include "paint/retouch/recipe_json.h"
-#include "surface/error.h"
-#include "surface/error_message.h"
-#include "viewer/treatment_desk.h"
+#include "retouch/colour_match/paint_media.h"
+#include "retouch/inpaint/recipe_json.h"
+#include "surface/base/error.h"
+#include "surface/file/error_message.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

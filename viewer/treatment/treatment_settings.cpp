@@ -2,8 +2,8 @@
 // stale.
 #include <algorithm>
 
-#include "paint/retouch/recipe_json.h"
-#include "viewer/treatment_desk.h"
+#include "retouch/inpaint/recipe_json.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

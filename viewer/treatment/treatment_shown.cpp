@@ -1,11 +1,11 @@
 // treatment_shown.cpp: of the treatment: states that are shown, and held against each other.
 #include <fmt/format.h>
 
-#include "paint/appearance_part.h"
-#include "paint/retouch/treatment_picture.h"
-#include "paint/retouch/viewing.h"
-#include "viewer/scene_picture.h"
-#include "viewer/treatment_desk.h"
+#include "paint/canvas/appearance_part.h"
+#include "retouch/colour_match/viewing_distance.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "viewer/render/cpu_render.h"
+#include "viewer/treatment/treatment_desk.h"
 
 namespace tangi {
 

@@ -1,4 +1,4 @@
-#include "viewer/video_file.h"
+#include "viewer/video/ffmpeg_writer_file.h"
 
 #include <fmt/format.h>
 
@@ -12,10 +12,10 @@ extern "C" {
 #include <array>
 #include <cmath>
 
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/output_set.h"
-#include "surface/picture_file.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/output_set.h"
+#include "surface/image_file/image_io.h"
 
 namespace tangi {
 

@@ -1,5 +1,5 @@
-// video_file.h: a video of pictures, through FFmpeg's libraries: H.264 in .mp4, which plays everywhere, or
-// VP9 in .webm, which is free of patents.
+// ffmpeg_writer_file.h: a video of pictures, through FFmpeg's libraries: H.264 in .mp4, which plays
+// everywhere, or VP9 in .webm, which is free of patents.
 //
 // Colour is that of sRGB, and says so: luma and chroma after ITU-R BT.709-6 (table 3, 8 bits, limited range),
 // primaries of BT.709, transfer of IEC 61966-2-1. Chroma has half the resolution both ways and lies at the
@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "viewer/film.h"
+#include "viewer/video/video_writer.h"
 
 namespace tangi {
 

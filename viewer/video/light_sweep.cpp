@@ -1,11 +1,11 @@
-#include "viewer/sweep.h"
+#include "viewer/video/light_sweep.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

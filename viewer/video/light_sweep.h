@@ -1,9 +1,9 @@
-// sweep.h: the way of a lamp over a painting.
+// light_sweep.h: the way of a lamp over a painting.
 #pragma once
 
 #include <vector>
 
-#include "viewer/view.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 

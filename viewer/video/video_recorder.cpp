@@ -1,11 +1,11 @@
-#include "viewer/recorder.h"
+#include "viewer/video/video_recorder.h"
 
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <optional>
 
-#include "viewer/film.h"
+#include "viewer/video/video_writer.h"
 
 namespace tangi {
 

@@ -1,20 +1,20 @@
-// recorder.h: a film of what the window draws, written beside it: the window draws a picture when there is
-// room for one.
+// video_recorder.h: a film of what the window draws, written beside it: the window draws a picture when there
+// is room for one.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <memory>
 
-#include "surface/image.h"
-#include "viewer/job.h"
+#include "surface/image/image.h"
+#include "viewer/model/background_job.h"
 
 namespace tangi {
 
 class Recorder {
 public:
-    // A film of `pictures` pictures (make_film() in film.h). `wake`, from its thread: there is room, or it is
-    // over.
+    // A film of `pictures` pictures (make_film() in video_writer.h). `wake`, from its thread: there is room,
+    // or it is over.
     Recorder(const std::filesystem::path& out, double frames_per_s, int pictures, std::function<void()> wake);
     ~Recorder();  // stops: a film that is not whole is gone
     Recorder(const Recorder&) = delete;

@@ -1,15 +1,15 @@
-#include "viewer/film.h"
+#include "viewer/video/video_writer.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "surface/atomic_folder.h"
-#include "surface/error.h"
-#include "surface/output_set.h"
-#include "surface/picture_file.h"
-#include "viewer/video_file.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/output_set.h"
+#include "surface/image_file/image_io.h"
+#include "viewer/video/ffmpeg_writer_file.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// film.h: pictures in a row: a video, or numbered pictures in a folder; whole or not at all.
+// video_writer.h: pictures in a row: a video, or numbered pictures in a folder; whole or not at all.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 
-#include "surface/colour.h"
-#include "surface/image.h"
+#include "surface/image/colour.h"
+#include "surface/image/image.h"
 
 namespace tangi {
 
@@ -28,7 +28,7 @@ protected:
     Film() = default;
 };
 
-// .mp4 and .webm are videos (video_file.h); anything else is a folder.
+// .mp4 and .webm are videos (ffmpeg_writer_file.h); anything else is a folder.
 bool names_a_video(const std::filesystem::path& out);
 
 // Throws Error where it cannot be written, where this machine has no encoder for the video, or where the

@@ -1,22 +1,23 @@
-#include "viewer/web_page.h"
+#include "viewer/web/web_page.h"
 
 #include <atomic>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/base64.h"
-#include "surface/json_reading.h"
-#include "surface/json_text.h"
-#include "surface/output_set.h"
-#include "surface/parallel.h"
-#include "surface/picture_file.h"
-#include "surface/stale_temporaries.h"
-#include "viewer/look.h"
-#include "viewer/shaders.h"
-#include "viewer/web_page_html.h"
-#include "viewer/web_tiles.h"
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+#include "surface/base/parallel.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/base64.h"
+#include "surface/file/output_set.h"
+#include "surface/file/stale_temporaries.h"
+#include "surface/image_file/image_io.h"
+#include "viewer/render/fragment_shader.h"
+#include "viewer/render/vertex_shader.h"
+#include "viewer/render/view_mode.h"
+#include "viewer/web/web_page_html.h"
+#include "viewer/web/web_tiles.h"
 
 namespace tangi {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "surface/options.h"
-#include "surface/progress.h"
-#include "surface/surface.h"
+#include "surface/base/options.h"
+#include "surface/base/progress.h"
+#include "surface/maps/surface.h"
 
 namespace tangi {
 

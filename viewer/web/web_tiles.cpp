@@ -1,4 +1,4 @@
-#include "viewer/web_tiles.h"
+#include "viewer/web/web_tiles.h"
 
 #include <zlib.h>
 
@@ -6,7 +6,7 @@
 #include <new>
 #include <vector>
 
-#include "surface/error.h"
+#include "surface/base/error.h"
 
 namespace tangi {
 

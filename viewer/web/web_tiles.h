@@ -13,8 +13,8 @@
 #include <span>
 #include <string>
 
-#include "viewer/horizon.h"
-#include "viewer/texels.h"
+#include "viewer/render/horizon.h"
+#include "viewer/render/texels.h"
 
 namespace tangi {
 

@@ -1,11 +1,11 @@
-// capture_plane_calibration_test.cpp: scale, tilt and rectification of a plane whose truth is known.
-#include "capture/plane_calibration.h"
+// plane_calibration_test.cpp: scale, tilt and rectification of a plane whose truth is known.
+#include "capture/calibration/plane_calibration.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/capture_file.h"
-#include "capture/plane_pose.h"
-#include "marker_pictures.h"
+#include "capture/formats/capture_file.h"
+#include "capture/geometry/plane_pose.h"
+#include "tests/support/marker_pictures.h"
 
 namespace tangi {
 namespace {

@@ -2,8 +2,8 @@
 // guidelines.
 #include <gmock/gmock.h>
 
-#include "capture/colour_tolerance.h"
-#include "chart_pictures.h"
+#include "capture/colour_chart/colour_tolerance.h"
+#include "tests/support/chart_pictures.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
 // Colour charts: found whatever their place, turn and light; and nothing else taken for one.
-#include "capture/colour_chart.h"
+#include "capture/colour_chart/colour_chart.h"
 
 #include <gmock/gmock.h>
 
-#include "chart_pictures.h"
+#include "tests/support/chart_pictures.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// capture_capture_file_test.cpp: capture.json as the fit takes it, and a stack that is opened with one.
-#include "capture/capture_file.h"
+// capture_file_test.cpp: capture.json as the fit takes it, and a stack that is opened with one.
+#include "capture/formats/capture_file.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 #include <glm/geometric.hpp>
 
-#include "capture/stack.h"
+#include "capture/stack/stack.h"
 #include "datasets/generator.h"
-#include "surface/error.h"
-#include "test_support.h"
+#include "surface/base/error.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,14 +1,14 @@
-// capture_dome_file_test.cpp: the lights in other programs' projects (.dome, .relight), alone and with
+// dome_file_test.cpp: the lights in other programs' projects (.dome, .relight), alone and with
 // photographs.
-#include "capture/dome_file.h"
+#include "capture/formats/dome_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/relight_file.h"
-#include "capture/stack.h"
-#include "surface/atomic_file.h"
-#include "tests/test_support.h"
+#include "capture/formats/relight_file.h"
+#include "capture/stack/stack.h"
+#include "surface/file/atomic_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

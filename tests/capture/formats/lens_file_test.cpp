@@ -1,11 +1,11 @@
 // Lenses: files as OpenCV writes them, what can be wrong with them, and distortion there and back.
-#include "capture/lens_file.h"
+#include "capture/formats/lens_file.h"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/core.hpp>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// capture_lights_file_test.cpp: .lp files as they occur, and what is said of those that are none.
-#include "capture/lights_file.h"
-#include "capture/photo_names.h"
+// lights_file_test.cpp: .lp files as they occur, and what is said of those that are none.
+#include "capture/formats/lights_file.h"
+#include "capture/photo/photo_names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

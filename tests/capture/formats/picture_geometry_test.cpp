@@ -1,12 +1,12 @@
-// capture_picture_geometry_test.cpp: places through lens and rectification, and stacks that are read so.
-#include "capture/picture_geometry.h"
+// picture_geometry_test.cpp: places through lens and rectification, and stacks that are read so.
+#include "capture/formats/picture_geometry.h"
 
 #include <gmock/gmock.h>
 
 #include <glm/matrix.hpp>
 
-#include "capture/stack.h"
-#include "test_support.h"
+#include "capture/stack/stack.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// capture_earlier_painting_test.cpp: a painting that was fitted before is found in photographs of a later
+// align_to_reference_test.cpp: a painting that was fitted before is found in photographs of a later
 // day.
-#include "capture/earlier_painting.h"
+#include "capture/geometry/align_to_reference.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include <glm/trigonometric.hpp>
 #include <iostream>
 
-#include "capture/plane_calibration.h"
+#include "capture/calibration/plane_calibration.h"
 #include "datasets/generator.h"
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
 // Markers: drawn by OpenCV's aruco module on a plane, seen in perspective, found again.
-#include "capture/markers.h"
+#include "capture/geometry/markers.h"
 
 #include <gmock/gmock.h>
 
-#include "marker_pictures.h"
+#include "tests/support/marker_pictures.h"
 
 namespace tangi {
 namespace {

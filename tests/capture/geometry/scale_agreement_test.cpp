@@ -1,11 +1,11 @@
-// capture_scale_agreement_test.cpp: of several scales the one is used that most agree with, and what
+// scale_agreement_test.cpp: of several scales the one is used that most agree with, and what
 // contradicts it is told.
-#include "capture/scale_agreement.h"
+#include "capture/geometry/scale_agreement.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/chart_order.h"
+#include "capture/colour_chart/chart_order.h"
 
 namespace tangi {
 namespace {

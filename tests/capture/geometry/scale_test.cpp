@@ -1,10 +1,10 @@
 // Scales and rectification: laws of perspective, errors that are honest, and corners that cannot be.
-#include "capture/scale.h"
+#include "capture/geometry/scale.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/colour_chart.h"
-#include "chart_pictures.h"
+#include "capture/colour_chart/colour_chart.h"
+#include "tests/support/chart_pictures.h"
 
 namespace tangi {
 namespace {

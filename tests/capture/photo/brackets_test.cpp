@@ -1,14 +1,14 @@
-// capture_brackets_test.cpp: exposures of one light become one value, as good as their noise allows.
-#include "capture/brackets.h"
+// brackets_test.cpp: exposures of one light become one value, as good as their noise allows.
+#include "capture/photo/brackets.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "capture/develop_stack.h"
-#include "capture/exposure_merge.h"
-#include "tests/dng_writer.h"
+#include "capture/photo/exposure_merge.h"
+#include "capture/radiometry/develop_stack.h"
+#include "tests/support/dng_writer.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// capture_colour_channels_test.cpp: red, green and blue are told by their names, or there is a message.
-#include "capture/colour_channels.h"
+// colour_channels_test.cpp: red, green and blue are told by their names, or there is a message.
+#include "capture/photo/colour_channels.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
-// capture_lab_colour_test.cpp: L*a*b* becomes the linear light that lcms2 makes of it.
-#include "capture/lab_colour.h"
+// lab_colour_test.cpp: L*a*b* becomes the linear light that lcms2 makes of it.
+#include "capture/photo/lab_colour.h"
 
 #include <gtest/gtest.h>
 #include <lcms2.h>
 
-#include "capture/photo_file.h"
-#include "tests/test_support.h"
-#include "tests/tiff_writer.h"
+#include "capture/photo/photo_file.h"
+#include "tests/support/test_support.h"
+#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// capture_photo_alpha_test.cpp: what is transparent was not photographed; what shows through is divided by
+// photo_alpha_test.cpp: what is transparent was not photographed; what shows through is divided by
 // alpha.
 #include <gmock/gmock.h>
 
-#include "capture/survey.h"
-#include "tests/photo_files.h"
+#include "capture/stack/survey.h"
+#include "tests/support/photo_files.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// capture_photo_file_errors_test.cpp: what is no photograph, or a part of one, is an error that names it.
+// photo_file_errors_test.cpp: what is no photograph, or a part of one, is an error that names it.
 #include <gmock/gmock.h>
 
-#include "capture/photo_metadata.h"
-#include "tests/photo_files.h"
+#include "capture/photo/photo_metadata.h"
+#include "tests/support/photo_files.h"
 
 namespace tangi {
 namespace {

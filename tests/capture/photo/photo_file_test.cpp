@@ -1,13 +1,13 @@
-// capture_photo_file_test.cpp: every format is read to the values that were stored, in bands of any height.
-#include "capture/photo_file.h"
+// photo_file_test.cpp: every format is read to the values that were stored, in bands of any height.
+#include "capture/photo/photo_file.h"
 
 #include <gmock/gmock.h>
 
 #include <glm/vec2.hpp>
 #include <limits>
 
-#include "tests/photo_files.h"
-#include "tests/tiff_writer.h"
+#include "tests/support/photo_files.h"
+#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

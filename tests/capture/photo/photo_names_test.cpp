@@ -1,13 +1,13 @@
-// capture_photo_names_test.cpp: the folder that was named wins over the folders that a lights file lists.
-#include "capture/photo_names.h"
+// photo_names_test.cpp: the folder that was named wins over the folders that a lights file lists.
+#include "capture/photo/photo_names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/brackets.h"
-#include "capture/photo_folder.h"
-#include "capture/usable_stack.h"
-#include "tests/test_support.h"
+#include "capture/photo/brackets.h"
+#include "capture/photo/photo_folder.h"
+#include "capture/stack/open_screened.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,14 +1,14 @@
-// capture_raw_test.cpp: camera raw comes back as the linear light that the sensor measured.
+// raw_test.cpp: camera raw comes back as the linear light that the sensor measured.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/develop_stack.h"
-#include "capture/grey_photos.h"
-#include "capture/left_out.h"
-#include "capture/photo_metadata.h"
-#include "capture/raw_file.h"
-#include "capture/survey.h"
-#include "tests/dng_writer.h"
+#include "capture/photo/photo_metadata.h"
+#include "capture/photo/raw_file.h"
+#include "capture/photo/rejected_photo.h"
+#include "capture/radiometry/develop_stack.h"
+#include "capture/stack/grey_photos.h"
+#include "capture/stack/survey.h"
+#include "tests/support/dng_writer.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
-// capture_tiff_kinds_test.cpp: every kind of TIFF is read to the values that are meant, or refused by its
+// tiff_kinds_test.cpp: every kind of TIFF is read to the values that are meant, or refused by its
 // name.
 #include <gmock/gmock.h>
 
 #include <cstring>
 
-#include "surface/tiff_pages.h"
-#include "tests/photo_files.h"
-#include "tests/tiff_writer.h"
+#include "surface/image_file/tiff_pages.h"
+#include "tests/support/photo_files.h"
+#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

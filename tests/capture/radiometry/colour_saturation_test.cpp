@@ -1,10 +1,10 @@
-// capture_colour_saturation_test.cpp: photographs made grey, or with more or less colour than the others, are
+// colour_saturation_test.cpp: photographs made grey, or with more or less colour than the others, are
 // named.
-#include "capture/colour_saturation.h"
+#include "capture/radiometry/colour_saturation.h"
 
 #include <gmock/gmock.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// capture_equal_strength_test.cpp: lamps of equal strength over a glossy surface are told from their levels.
-#include "capture/equal_strength.h"
+// equal_intensity_test.cpp: lamps of equal strength over a glossy surface are told from their levels.
+#include "capture/radiometry/equal_intensity.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 
-#include "surface/noise.h"
-#include "surface/ward.h"
+#include "surface/base/noise.h"
+#include "surface/reflectance/ward.h"
 
 namespace tangi {
 namespace {

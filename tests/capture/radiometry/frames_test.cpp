@@ -1,13 +1,13 @@
-// capture_frames_test.cpp: dark frames, flat fields and ambient light come off in linear light; clipped stays
+// frames_test.cpp: dark frames, flat fields and ambient light come off in linear light; clipped stays
 // clipped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "capture/develop_stack.h"
-#include "capture/survey.h"
-#include "tests/test_support.h"
+#include "capture/radiometry/develop_stack.h"
+#include "capture/stack/survey.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// capture_full_scale_test.cpp: what is full scale of photographs whose files do not say, by their values.
-#include "capture/full_scale.h"
+// full_scale_test.cpp: what is full scale of photographs whose files do not say, by their values.
+#include "capture/radiometry/full_scale.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
-#include "capture/transfer_estimate.h"
+#include "capture/radiometry/transfer_estimate.h"
 #include "datasets/generator.h"
-#include "surface/icc_profile.h"
-#include "tests/test_support.h"
+#include "surface/image_file/icc_profile.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

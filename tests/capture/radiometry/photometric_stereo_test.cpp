@@ -1,10 +1,10 @@
-// capture_photometric_stereo_test.cpp: recovers the normals and albedos that it was given, also among
+// photometric_stereo_test.cpp: recovers the normals and albedos that it was given, also among
 // outliers.
-#include "capture/photometric_stereo.h"
+#include "capture/radiometry/photometric_stereo.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
-// capture_transfer_estimate_test.cpp: the curve that rendered stacks were stored with is recognised.
-#include "capture/transfer_estimate.h"
+// transfer_estimate_test.cpp: the curve that rendered stacks were stored with is recognised.
+#include "capture/radiometry/transfer_estimate.h"
 
 #include <gtest/gtest.h>
 
 #include <iostream>
 
 #include "datasets/generator.h"
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

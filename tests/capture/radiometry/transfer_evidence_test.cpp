@@ -1,12 +1,12 @@
-// capture_transfer_evidence_test.cpp: a curve that the photographs leave open is told, with the true one
+// transfer_evidence_test.cpp: a curve that the photographs leave open is told, with the true one
 // among the possible ones; one that they tell is right.
-#include "capture/transfer_evidence.h"
+#include "capture/radiometry/transfer_evidence.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/transfer_estimate.h"
+#include "capture/radiometry/transfer_estimate.h"
 #include "datasets/generator.h"
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

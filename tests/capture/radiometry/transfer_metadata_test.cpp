@@ -1,15 +1,15 @@
-// capture_transfer_metadata_test.cpp: what files say about their transfer curve, and when it is believed.
-#include "capture/stated_transfer.h"
-#include "capture/transfer_decision.h"
+// transfer_metadata_test.cpp: what files say about their transfer curve, and when it is believed.
+#include "capture/photo/stated_transfer.h"
+#include "capture/radiometry/transfer_decision.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcms2.h>
 
-#include "capture/develop_stack.h"
-#include "capture/profile_colours.h"
-#include "tests/test_support.h"
+#include "capture/radiometry/develop_stack.h"
+#include "capture/stack/profile_colours.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

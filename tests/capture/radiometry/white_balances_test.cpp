@@ -1,13 +1,13 @@
-// capture_white_balances_test.cpp: white balance that changes from photograph to photograph, and what only
+// white_balances_test.cpp: white balance that changes from photograph to photograph, and what only
 // looks like that.
-#include "capture/white_balances.h"
+#include "capture/radiometry/white_balances.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/colour_calibration.h"
-#include "chart_pictures.h"
+#include "capture/colour_chart/colour_calibration.h"
 #include "datasets/generator.h"
-#include "surface/picture_file.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/chart_pictures.h"
 
 namespace tangi {
 namespace {

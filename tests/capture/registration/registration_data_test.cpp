@@ -1,12 +1,12 @@
-// capture_registration_data_test.cpp: real and path-traced stacks whose camera stood still, or moved as is
+// registration_data_test.cpp: real and path-traced stacks whose camera stood still, or moved as is
 // known.
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <iostream>
 
-#include "capture/registration.h"
-#include "tests/test_support.h"
+#include "capture/registration/registration.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// capture_registration_grid_test.cpp: photographs that are fitted and those that are held out are looked at
+// registration_grid_test.cpp: photographs that are fitted and those that are held out are looked at
 // in the same places, however large they are and however many.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/lights_file.h"
-#include "capture/registration.h"
-#include "tests/test_support.h"
+#include "capture/formats/lights_file.h"
+#include "capture/registration/registration.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
-// capture_registration_motions_test.cpp: a camera that zooms, rolls or tilts moved as one that shifts did.
+// registration_motions_test.cpp: a camera that zooms, rolls or tilts moved as one that shifts did.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <iostream>
 
-#include "capture/camera_shake.h"
-#include "capture/registration.h"
-#include "tests/registration_scenes.h"
+#include "capture/registration/camera_motion.h"
+#include "capture/registration/registration.h"
+#include "tests/support/registration_scenes.h"
 
 namespace tangi {
 namespace {

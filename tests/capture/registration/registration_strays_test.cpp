@@ -1,10 +1,10 @@
-// capture_registration_strays_test.cpp: photographs that cannot be registered are named, and lead no other
+// registration_strays_test.cpp: photographs that cannot be registered are named, and lead no other
 // astray.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/registration.h"
-#include "tests/registration_scenes.h"
+#include "capture/registration/registration.h"
+#include "tests/support/registration_scenes.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// capture_registration_test.cpp: known motions of the camera are found again under moving lights, and none
+// registration_test.cpp: known motions of the camera are found again under moving lights, and none
 // are found where there are none.
-#include "capture/registration.h"
+#include "capture/registration/registration.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <iostream>
 #include <limits>
 
-#include "capture/local_contrast.h"
-#include "surface/parallel.h"
-#include "tests/registration_scenes.h"
+#include "surface/base/parallel.h"
+#include "surface/image/local_contrast.h"
+#include "tests/support/registration_scenes.h"
 
 namespace tangi {
 namespace {

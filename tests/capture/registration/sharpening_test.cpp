@@ -1,14 +1,14 @@
-// capture_sharpening_test.cpp: sharpened photographs are found by their noise, others are not.
-#include "capture/sharpening.h"
+// sharpening_test.cpp: sharpened photographs are found by their noise, others are not.
+#include "capture/registration/sharpening.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
 
-#include "capture/compression.h"
-#include "surface/picture_file.h"
-#include "test_support.h"
+#include "capture/stack/compression.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// capture_ball_calibration_test.cpp: lights from balls, rendered with known lights, and everything that can
+// ball_calibration_test.cpp: lights from balls, rendered with known lights, and everything that can
 // be wrong with them.
-#include "capture/ball_calibration.h"
+#include "capture/sphere_lights/ball_calibration.h"
 
 #include <gmock/gmock.h>
 
-#include "ball_pictures.h"
-#include "capture/left_out.h"
+#include "capture/photo/rejected_photo.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

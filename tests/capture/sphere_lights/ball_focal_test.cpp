@@ -1,10 +1,10 @@
 // Numbers that contradict the balls in the photographs, focal lengths that nobody gave, and things that are
 // no balls: what is stated holds the truth.
-#include "capture/ball_focal.h"
+#include "capture/sphere_lights/ball_focal.h"
 
 #include <gmock/gmock.h>
 
-#include "ball_pictures.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// capture_matt_ball_test.cpp: lights from the shading of a matt ball.
-#include "capture/ball_calibration.h"
+// diffuse_sphere_test.cpp: lights from the shading of a matt ball.
+#include "capture/sphere_lights/ball_calibration.h"
 
 #include <gmock/gmock.h>
 
 #include <iostream>
 
-#include "ball_pictures.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
 // What tells the focal length, and what contradicts it.
-#include "capture/focal_evidence.h"
+#include "capture/sphere_lights/focal_evidence.h"
 
 #include <gmock/gmock.h>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

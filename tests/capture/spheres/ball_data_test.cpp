@@ -1,12 +1,12 @@
-// capture_ball_data_test.cpp: balls in real photographs, and in stacks that have none.
-#include "capture/ball_calibration.h"
+// ball_data_test.cpp: balls in real photographs, and in stacks that have none.
+#include "capture/sphere_lights/ball_calibration.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "ball_pictures.h"
-#include "surface/atomic_file.h"
+#include "surface/file/atomic_file.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

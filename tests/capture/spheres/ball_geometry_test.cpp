@@ -1,11 +1,11 @@
 // Balls as a camera sees them: tangents, reflection, and the way back.
-#include "capture/ball_geometry.h"
+#include "capture/spheres/ball_geometry.h"
 
 #include <gtest/gtest.h>
 
-#include "ball_pictures.h"
-#include "capture/highlight_lobe.h"
-#include "capture/light_position.h"
+#include "capture/sphere_lights/light_position.h"
+#include "capture/spheres/highlight_lobe.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

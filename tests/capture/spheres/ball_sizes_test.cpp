@@ -1,10 +1,10 @@
-// capture_ball_sizes_test.cpp: of several round things that show lamps, the balls are those of one size.
-#include "capture/ball_calibration.h"
+// ball_sizes_test.cpp: of several round things that show lamps, the balls are those of one size.
+#include "capture/sphere_lights/ball_calibration.h"
 
 #include <gmock/gmock.h>
 
-#include "ball_pictures.h"
-#include "capture/ball_sizes.h"
+#include "capture/spheres/ball_sizes.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// capture_given_ball_test.cpp: circles that are given for balls whose outlines hardly show, balls that are
+// given_outline_test.cpp: circles that are given for balls whose outlines hardly show, balls that are
 // counted once, and lamps that are not alone in a mirror.
-#include "capture/given_outline.h"
+#include "capture/spheres/given_outline.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/ball_sizes.h"
-#include "mirrored_painting.h"
+#include "capture/spheres/ball_sizes.h"
+#include "tests/support/mirrored_painting.h"
 
 namespace tangi {
 namespace {

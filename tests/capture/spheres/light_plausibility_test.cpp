@@ -1,9 +1,9 @@
 // Whether photographs are shaded as lamps in given directions would shade them.
-#include "capture/light_plausibility.h"
+#include "capture/spheres/light_plausibility.h"
 
 #include <gtest/gtest.h>
 
-#include "ball_pictures.h"
+#include "tests/support/ball_pictures.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// capture_ball_rings_test.cpp: a clear mirror ball beside a painting has rings in it, and its outline fades
+// mirror_sphere_rings_test.cpp: a clear mirror ball beside a painting has rings in it, and its outline fades
 // where what it mirrors looks like what lies behind.
 #include <gmock/gmock.h>
 
-#include "mirrored_painting.h"
+#include "tests/support/mirrored_painting.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// capture_bad_inputs_test.cpp: stacks that cannot be opened: each Error names the file and the remedy.
+// bad_inputs_test.cpp: stacks that cannot be opened: each Error names the file and the remedy.
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/stack.h"
-#include "tests/test_support.h"
+#include "capture/stack/stack.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// capture_compression_test.cpp: how strongly photographs are compressed is read off their files, and said.
-#include "capture/compression.h"
+// compression_test.cpp: how strongly photographs are compressed is read off their files, and said.
+#include "capture/stack/compression.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// capture_stray_photos_test.cpp: pictures that are in a stack twice are found by their pixels.
-#include "capture/stray_photos.h"
+// duplicate_photos_test.cpp: pictures that are in a stack twice are found by their pixels.
+#include "capture/stack/duplicate_photos.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-// capture_photo_profiles_test.cpp: photographs with several ICC profiles mean the same colours.
-#include "capture/photo_profiles.h"
+// photo_profiles_test.cpp: photographs with several ICC profiles mean the same colours.
+#include "capture/stack/photo_profiles.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcms2.h>
 
-#include "capture/profile_colours.h"
-#include "capture/survey.h"
-#include "capture/transfer_decision.h"
-#include "surface/icc_profile.h"
-#include "tests/test_support.h"
+#include "capture/radiometry/transfer_decision.h"
+#include "capture/stack/profile_colours.h"
+#include "capture/stack/survey.h"
+#include "surface/image_file/icc_profile.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// capture_samples_test.cpp: what is no number reaches nobody as black or as light, in photographs and in
+// samples_test.cpp: what is no number reaches nobody as black or as light, in photographs and in
 // frames.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "capture/develop_stack.h"
-#include "capture/survey.h"
-#include "tests/test_support.h"
+#include "capture/radiometry/develop_stack.h"
+#include "capture/stack/survey.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// capture_stack_reader_test.cpp: photographs of a stack are cropped, masked, linearised and read in bands.
+// stack_reader_test.cpp: photographs of a stack are cropped, masked, linearised and read in bands.
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/stack.h"
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "capture/stack/stack.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

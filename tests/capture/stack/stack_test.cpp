@@ -1,14 +1,14 @@
-// capture_stack_test.cpp: photographs are matched to lights and held out.
-#include "capture/stack.h"
+// stack_test.cpp: photographs are matched to lights and held out.
+#include "capture/stack/stack.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "capture/usable_stack.h"
-#include "surface/painting_file.h"
-#include "tests/test_support.h"
+#include "capture/stack/open_screened.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

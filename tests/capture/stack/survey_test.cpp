@@ -1,5 +1,5 @@
-// capture_survey_test.cpp: one look at a stack: samples are its pixels, black photographs are left out.
-#include "capture/survey.h"
+// survey_test.cpp: one look at a stack: samples are its pixels, black photographs are left out.
+#include "capture/stack/survey.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <array>
 #include <set>
 
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

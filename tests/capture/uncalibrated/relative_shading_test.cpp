@@ -1,5 +1,5 @@
-// capture_relative_shading_test.cpp: what is the lamps' is told from what is the object's.
-#include "capture/relative_shading.h"
+// relative_shading_test.cpp: what is the lamps' is told from what is the object's.
+#include "capture/uncalibrated/relative_shading.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "surface/noise.h"
+#include "surface/base/noise.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// capture_uncalibrated_test.cpp: lights of which nothing is written down.
-#include "capture/uncalibrated.h"
+// uncalibrated_test.cpp: lights of which nothing is written down.
+#include "capture/uncalibrated/uncalibrated.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,11 +7,11 @@
 #include <iostream>
 #include <numbers>
 
-#include "capture/grey_photos.h"
-#include "capture/stack.h"
+#include "capture/stack/grey_photos.h"
+#include "capture/stack/stack.h"
 #include "datasets/generator.h"
-#include "surface/median.h"
-#include "tests/test_support.h"
+#include "surface/base/median.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

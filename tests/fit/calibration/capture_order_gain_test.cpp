@@ -1,12 +1,12 @@
-// fit_shot_order_test.cpp: a lamp that drifts while it is carried around is predicted from its neighbours in
-// time.
-#include "fit/shot_order.h"
+// capture_order_gain_test.cpp: a lamp that drifts while it is carried around is predicted from its neighbours
+// in time.
+#include "fit/calibration/capture_order_gain.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

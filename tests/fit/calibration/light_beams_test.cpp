@@ -1,4 +1,4 @@
-// fit_light_beams_test.cpp: lamps that light the picture unevenly are found again in generated stacks, and
+// light_beams_test.cpp: lamps that light the picture unevenly are found again in generated stacks, and
 // even ones are left alone.
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <iostream>
 
 #include "datasets/generator.h"
-#include "fit/fit_painting.h"
-#include "fit/light_calibration.h"
-#include "fit_test_support.h"
-#include "surface/median.h"
-#include "surface/photography_json.h"
+#include "fit/calibration/light_calibration.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/base/median.h"
+#include "surface/maps/photography_json.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,18 +1,18 @@
-// fit_light_calibration_test.cpp: lamps, ambient light and camera are found again in generated stacks, and
+// light_calibration_test.cpp: lamps, ambient light and camera are found again in generated stacks, and
 // are left alone where there is nothing to find.
-#include "fit/light_calibration.h"
+#include "fit/calibration/light_calibration.h"
 
 #include <gtest/gtest.h>
 
 #include <iostream>
 
 #include "datasets/generator.h"
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
-#include "lamp_errors.h"
-#include "surface/parallel.h"
-#include "surface/photography_json.h"
-#include "surface/picture_file.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/base/parallel.h"
+#include "surface/image_file/image_io.h"
+#include "surface/maps/photography_json.h"
+#include "tests/support/fit_test_support.h"
+#include "tests/support/lamp_errors.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-// fit_light_directions_test.cpp: lamps whose directions a lights file gets wrong.
+// light_directions_test.cpp: lamps whose directions a lights file gets wrong.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/QR>
 #include <iostream>
 
-#include "capture/lights_file.h"
+#include "capture/formats/lights_file.h"
 #include "datasets/generator.h"
-#include "fit/direction_field.h"
-#include "fit/light_calibration.h"
-#include "fit_test_support.h"
-#include "surface/photography_json.h"
+#include "fit/calibration/light_calibration.h"
+#include "fit/calibration/light_direction_field.h"
+#include "surface/maps/photography_json.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

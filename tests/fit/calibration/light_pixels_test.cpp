@@ -1,4 +1,4 @@
-// fit_light_pixels_test.cpp: lamps are found, or left alone, where part of the picture is brushed gold, which
+// light_pixels_test.cpp: lamps are found, or left alone, where part of the picture is brushed gold, which
 // outweighs the paint beside it in every mean over pixels.
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <iostream>
 
 #include "datasets/generator.h"
-#include "fit/light_calibration.h"
-#include "fit_test_support.h"
-#include "lamp_errors.h"
-#include "surface/photography_json.h"
+#include "fit/calibration/light_calibration.h"
+#include "surface/maps/photography_json.h"
+#include "tests/support/fit_test_support.h"
+#include "tests/support/lamp_errors.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// fit_joint_residual_test.cpp: the derivatives of the joint problem of pixels, lamps and rig.
-#include "fit/joint_residual.h"
+// light_residual_test.cpp: the derivatives of the joint problem of pixels, lamps and rig.
+#include "fit/calibration/light_residual.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "fit/light_sample.h"
-#include "surface/diffuse.h"
-#include "surface/light.h"
-#include "surface/ward.h"
-#include "test_support.h"
+#include "fit/calibration/light_sample.h"
+#include "surface/maps/light.h"
+#include "surface/reflectance/oren_nayar.h"
+#include "surface/reflectance/ward.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

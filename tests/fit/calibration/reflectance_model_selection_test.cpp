@@ -1,15 +1,15 @@
-// fit_law_choice_test.cpp: the law that a painting's photographs follow is found, and none where there is
-// none.
-#include "fit/law_choice.h"
+// reflectance_model_selection_test.cpp: the law that a painting's photographs follow is found, and none where
+// there is none.
+#include "fit/calibration/reflectance_model_selection.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fit/fit_painting.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
-#include "tests/test_support.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// fit_schur_solver_test.cpp: our elimination of pixels against Ceres' on the same problems.
-#include "fit/schur_solver.h"
+// schur_solver_test.cpp: our elimination of pixels against Ceres' on the same problems.
+#include "fit/calibration/schur_solver.h"
 
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
-#include "surface/error.h"
-#include "surface/parallel.h"
-#include "test_support.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

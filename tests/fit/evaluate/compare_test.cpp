@@ -1,17 +1,17 @@
-#include "fit/compare.h"
+#include "fit/evaluate/compare.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <fstream>
 
-#include "capture/lights_file.h"
-#include "fit/compare_page.h"
-#include "fit/contact_sheet.h"
-#include "surface/atomic_file.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "capture/formats/lights_file.h"
+#include "fit/evaluate/compare_page.h"
+#include "fit/evaluate/contact_sheet.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// fit_compared_photos_test.cpp: photographs that a painting is compared with and does not know as they are:
+// compared_photos_test.cpp: photographs that a painting is compared with and does not know as they are:
 // of a camera that moved, with each other's lights.
 #include <gmock/gmock.h>
 
 #include <glm/matrix.hpp>
 
-#include "capture/lights_file.h"
-#include "fit/compare.h"
-#include "fit/compared_lights.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "capture/formats/lights_file.h"
+#include "fit/evaluate/compare.h"
+#include "fit/evaluate/compared_lights.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// fit_export_maps_test.cpp: the numbers of exported pictures, as a page in a browser has them.
-#include "fit/export_maps.h"
+// export_maps_test.cpp: the numbers of exported pictures, as a page in a browser has them.
+#include "fit/exchange/export_maps.h"
 
-#include "browser.h"
-#include "surface/atomic_file.h"
-#include "surface/base64.h"
-#include "surface/png_bytes.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/base64.h"
+#include "surface/report/png_encode.h"
+#include "tests/programs/support/browser.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-#include "fit/import_maps.h"
+#include "fit/exchange/import_maps.h"
 
 #include <gmock/gmock.h>
 
@@ -7,11 +7,11 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "fit/export_maps.h"
-#include "fit_test_support.h"
-#include "surface/atomic_file.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
+#include "fit/exchange/export_maps.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-#include "fit/rti.h"
+#include "fit/exchange/ptm_hsh.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "fit/metrics.h"
-#include "fit_test_support.h"
-#include "surface/picture_file.h"
+#include "surface/image/metrics.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

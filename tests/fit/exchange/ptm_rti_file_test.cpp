@@ -1,12 +1,12 @@
-#include "fit/rti_file.h"
+#include "fit/exchange/ptm_rti_file.h"
 
 #include <gmock/gmock.h>
 
 #include <cstring>
 
-#include "fit/metrics.h"
-#include "surface/picture_file.h"
-#include "test_support.h"
+#include "surface/image/metrics.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

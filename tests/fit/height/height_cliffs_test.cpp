@@ -1,4 +1,4 @@
-// fit_height_cliffs_test.cpp: heights across cliffs: losses keep their depth, and least squares are what
+// height_cliffs_test.cpp: heights across cliffs: losses keep their depth, and least squares are what
 // Ceres finds.
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
@@ -7,11 +7,11 @@
 #include <iostream>
 #include <vector>
 
-#include "fit/fit_painting.h"
-#include "fit/height.h"
-#include "fit/height_error.h"
-#include "fit/slope_edges.h"
-#include "fit_test_support.h"
+#include "fit/height/height.h"
+#include "fit/height/height_error.h"
+#include "fit/height/slope_edges.h"
+#include "fit/pipeline/fit_painting.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

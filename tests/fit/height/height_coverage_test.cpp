@@ -1,4 +1,4 @@
-// fit_height_coverage_test.cpp: the stated errors of whole fits hold the truth: of the height, and, as
+// height_coverage_test.cpp: the stated errors of whole fits hold the truth: of the height, and, as
 // figures, of the other maps.
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <functional>
 #include <iostream>
 
-#include "fit/fit_painting.h"
-#include "fit/height.h"
-#include "fit/height_error.h"
-#include "fit/mixed_slopes.h"
-#include "fit/slope_edges.h"
-#include "fit_test_support.h"
+#include "fit/height/height.h"
+#include "fit/height/height_error.h"
+#include "fit/height/slope_edges.h"
+#include "fit/height/subpixel_slopes.h"
+#include "fit/pipeline/fit_painting.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// fit_height_error_test.cpp: the standard error of a height holds the truth, where slopes are as certain as
+// height_error_test.cpp: the standard error of a height holds the truth, where slopes are as certain as
 // they say; and what it is made of.
-#include "fit/height_error.h"
+#include "fit/height/height_error.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <iostream>
 
-#include "fit/height.h"
-#include "surface/parallel.h"
-#include "test_support.h"
+#include "fit/height/height.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

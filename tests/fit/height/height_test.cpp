@@ -1,6 +1,6 @@
-// fit_height_test.cpp: known surfaces come back from their normals: shapes, sizes, holes, borders,
+// height_test.cpp: known surfaces come back from their normals: shapes, sizes, holes, borders,
 // convergence.
-#include "fit/height.h"
+#include "fit/height/height.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <functional>
 #include <iostream>
 
-#include "surface/parallel.h"
-#include "test_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// fit_mixed_slopes_test.cpp: slopes of what pixels mix, against quadrature and against known heights.
-#include "fit/mixed_slopes.h"
+// subpixel_slopes_test.cpp: slopes of what pixels mix, against quadrature and against known heights.
+#include "fit/height/subpixel_slopes.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <iostream>
 #include <numbers>
 
-#include "fit/height.h"
-#include "test_support.h"
+#include "fit/height/height.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// fit_light_signs_test.cpp: a mirrored axis shows in the curl of the slopes; what has none says nothing.
-#include "fit/light_signs.h"
+// axis_check_slopes_test.cpp: a mirrored axis shows in the curl of the slopes; what has none says nothing.
+#include "fit/light_checks/axis_check_slopes.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

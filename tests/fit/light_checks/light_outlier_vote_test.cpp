@@ -1,11 +1,11 @@
-// fit_odd_lights_vote_test.cpp: gold leaf that was brushed makes no light odd, and hides none that is.
-#include "fit/odd_lights_vote.h"
+// light_outlier_vote_test.cpp: gold leaf that was brushed makes no light odd, and hides none that is.
+#include "fit/light_checks/light_outlier_vote.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/lights_file.h"
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
+#include "capture/formats/lights_file.h"
+#include "fit/pipeline/fit_painting.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// fit_odd_lights_test.cpp: a photograph with another light than the listed one is named, and only that one.
-#include "fit/odd_lights.h"
+// light_outliers_test.cpp: a photograph with another light than the listed one is named, and only that one.
+#include "fit/light_checks/light_outliers.h"
 
 #include <gmock/gmock.h>
 
-#include "tests/bumps.h"
+#include "tests/support/bumps.h"
 
 namespace tangi {
 namespace {

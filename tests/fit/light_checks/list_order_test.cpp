@@ -1,11 +1,11 @@
-// fit_list_order_test.cpp: a list of lights that is in another order than the photographs is told as that,
+// list_order_test.cpp: a list of lights that is in another order than the photographs is told as that,
 // and not as lights that are turned.
-#include "fit/list_order.h"
+#include "fit/light_checks/list_order.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/light.h"
-#include "tests/bumps.h"
+#include "surface/maps/light.h"
+#include "tests/support/bumps.h"
 
 namespace tangi {
 namespace {

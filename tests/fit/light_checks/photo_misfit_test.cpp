@@ -1,14 +1,14 @@
-// fit_photo_misfit_test.cpp: photographs that break the model are named, with the cause; honest ones are not.
-#include "fit/photo_misfit.h"
+// photo_misfit_test.cpp: photographs that break the model are named, with the cause; honest ones are not.
+#include "fit/light_checks/photo_misfit.h"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 
-#include "fit/fit_painting.h"
-#include "fit/misfit_terms.h"
-#include "fit_test_support.h"
-#include "surface/picture_file.h"
+#include "fit/light_checks/misfit_terms.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

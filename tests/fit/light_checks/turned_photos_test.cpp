@@ -1,12 +1,12 @@
-// fit_turned_photos_test.cpp: photographs whose pixels lie otherwise than the others' are told by name.
-#include "fit/turned_photos.h"
+// turned_photos_test.cpp: photographs whose pixels lie otherwise than the others' are told by name.
+#include "fit/light_checks/turned_photos.h"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 #include <map>
 
-#include "tests/bumps.h"
+#include "tests/support/bumps.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-// fit_lobe_stretch_test.cpp: lobes that are drawn out are found, those that are not stay as they are, and
+// anisotropy_estimate_test.cpp: lobes that are drawn out are found, those that are not stay as they are, and
 // both solvers and the reference renderer have one model of them.
-#include "fit/lobe_stretch.h"
+#include "fit/material/anisotropy_estimate.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fit/fit_painting.h"
-#include "fit/ward_batch.h"
-#include "fit_test_support.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "fit/pipeline/fit_painting.h"
+#include "fit/pixel/ward_batch.h"
+#include "surface/render/relight.h"
+#include "tests/support/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// fit_slope_prior_test.cpp: what neighbours and height say about a slope, and how near the joint minimum of
-// slopes and height, by Ceres, that comes.
-#include "fit/slope_prior.h"
+// integrability_prior_test.cpp: what neighbours and height say about a slope, and how near the joint minimum
+// of slopes and height, by Ceres, that comes.
+#include "fit/material/integrability_prior.h"
 
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "datasets/procedural_painting.h"
-#include "fit/height.h"
-#include "fit/slope_edges.h"
-#include "test_support.h"
+#include "fit/height/height.h"
+#include "fit/height/slope_edges.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

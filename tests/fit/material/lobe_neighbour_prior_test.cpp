@@ -1,11 +1,11 @@
-// fit_lobe_prior_test.cpp: neighbours of the same colour say what a pixel's lobe is like.
-#include "fit/lobe_prior.h"
+// lobe_neighbour_prior_test.cpp: neighbours of the same colour say what a pixel's lobe is like.
+#include "fit/material/lobe_neighbour_prior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,6 @@
-// fit_unseen_test.cpp: pixels that photographs say little of have the slope and colour of what is around.
-#include "fit/unseen.h"
+// low_confidence_fill_test.cpp: pixels that photographs say little of have the slope and colour of what is
+// around.
+#include "fit/material/low_confidence_fill.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-// fit_crevices_test.cpp: pixels that few lamps reach are part of what is around them; lines of gold and of
+// occluded_pixels_test.cpp: pixels that few lamps reach are part of what is around them; lines of gold and of
 // black paint are not.
-#include "fit/crevices.h"
+#include "fit/material/occluded_pixels.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <iostream>
 #include <limits>
 
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
+#include "fit/pipeline/fit_painting.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

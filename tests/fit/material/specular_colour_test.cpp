@@ -1,15 +1,15 @@
-// fit_lobe_colour_test.cpp: lobes of metal get their colour, those of paint stay white, and fits with a known
+// specular_colour_test.cpp: lobes of metal get their colour, those of paint stay white, and fits with a known
 // colour find what the samples were made from.
-#include "fit/lobe_colour.h"
+#include "fit/material/specular_colour.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/render/relight.h"
+#include "tests/support/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

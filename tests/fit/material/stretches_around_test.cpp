@@ -1,4 +1,4 @@
-// fit_stretches_around_test.cpp: how lobes are drawn out, by those of the pixels around.
+// stretches_around_test.cpp: how lobes are drawn out, by those of the pixels around.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -7,9 +7,9 @@
 #include <tuple>
 #include <vector>
 
-#include "fit/lobe_stretch.h"
-#include "fit_test_support.h"
-#include "test_support.h"
+#include "fit/material/anisotropy_estimate.h"
+#include "tests/support/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-// fit_chart_colours_test.cpp: a camera that is a matrix, a chart in its photographs, and what the fit makes
+// chart_correction_test.cpp: a camera that is a matrix, a chart in its photographs, and what the fit makes
 // of it.
-#include "fit/chart_colours.h"
+#include "fit/pipeline/chart_correction.h"
 
 #include <gmock/gmock.h>
 
 #include <glm/matrix.hpp>
 
-#include "fit/compare.h"
-#include "fit/fit_painting.h"
-#include "surface/painting_file.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "fit/evaluate/compare.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// fit_data_test.cpp: the acceptance figures of the fit on stacks beside the repository (see data_folder).
+// data_test.cpp: the acceptance figures of the fit on stacks beside the repository (see data_folder).
 // Slow: minutes.
 #include <gtest/gtest.h>
 
@@ -11,14 +11,14 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "capture/calibration_page.h"
-#include "capture/photo_file.h"
-#include "fit/compare.h"
-#include "fit/fit_painting.h"
-#include "fit/metrics.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "capture/calibration/calibration_page.h"
+#include "capture/photo/photo_file.h"
+#include "fit/evaluate/compare.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/image/metrics.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

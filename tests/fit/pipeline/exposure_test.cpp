@@ -1,11 +1,11 @@
-// fit_exposure_test.cpp: the main job on photographs of floats, of any exposure and white level.
+// exposure_test.cpp: the main job on photographs of floats, of any exposure and white level.
 #include <gmock/gmock.h>
 
-#include "capture/lights_file.h"
+#include "capture/formats/lights_file.h"
 #include "datasets/generator.h"
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
-#include "surface/picture_file.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// fit_final_height_test.cpp: shadows in photographs say how steep relief is between its pixels.
-#include "fit/final_height.h"
+// final_height_test.cpp: shadows in photographs say how steep relief is between its pixels.
+#include "fit/pipeline/final_height.h"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "fit/lamp_radius.h"
-#include "fit/mixed_slopes.h"
-#include "fit_test_support.h"
-#include "surface/cast_shadows.h"
-#include "surface/relight.h"
+#include "fit/height/subpixel_slopes.h"
+#include "fit/shadows/light_angular_radius.h"
+#include "surface/render/cast_shadows.h"
+#include "surface/render/relight.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// fit_page_test.cpp: the sample's misfit, and the page that shows how photographs were understood.
-#include "fit/fit_page.h"
+// page_test.cpp: the sample's misfit, and the page that shows how photographs were understood.
+#include "fit/pipeline/fit_report_page.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "datasets/generator.h"
-#include "fit_test_support.h"
-#include "surface/page_parts.h"
+#include "surface/report/html_report.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// fit_painting_test.cpp: the main job on generated stacks with ground truth, made by another model than the
+// painting_test.cpp: the main job on generated stacks with ground truth, made by another model than the
 // fit's.
-#include "fit/fit_painting.h"
+#include "fit/pipeline/fit_painting.h"
 
 #include <gmock/gmock.h>
 
@@ -9,12 +9,12 @@
 #include <iostream>
 #include <map>
 
-#include "capture/lights_file.h"
+#include "capture/formats/lights_file.h"
 #include "datasets/generator.h"
-#include "fit_test_support.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
-#include "surface/picture_file.h"
+#include "surface/base/parallel.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// fit_passes_test.cpp: what is refined, and what is said of photographs that differ from the model.
-#include "fit/fit_passes.h"
+// passes_test.cpp: what is refined, and what is said of photographs that differ from the model.
+#include "fit/pipeline/fit_passes.h"
 
 #include <gmock/gmock.h>
 
 #include <iostream>
 
-#include "fit_test_support.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// fit_look_over_test.cpp: what is left out of photographs before anything is made of them.
-#include "fit/look_over.h"
+// preprocess_test.cpp: what is left out of photographs before anything is made of them.
+#include "fit/pipeline/preprocess.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

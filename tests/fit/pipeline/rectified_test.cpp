@@ -1,13 +1,13 @@
-// fit_rectified_test.cpp: a painting photographed from aside, through a lens, fitted upright.
+// rectified_test.cpp: a painting photographed from aside, through a lens, fitted upright.
 #include <gmock/gmock.h>
 
 #include <glm/matrix.hpp>
 
-#include "capture/calibration_page.h"
-#include "fit/compare.h"
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
-#include "surface/relight.h"
+#include "capture/calibration/calibration_page.h"
+#include "fit/evaluate/compare.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/render/relight.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

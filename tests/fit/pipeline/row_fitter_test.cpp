@@ -1,5 +1,5 @@
-// fit_row_fitter_test.cpp: rows fitted in batches and by Ceres alone; lamps near and far.
-#include "fit/row_fitter.h"
+// row_fitter_test.cpp: rows fitted in batches and by Ceres alone; lamps near and far.
+#include "fit/pipeline/row_fitter.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "capture/stack.h"
-#include "fit_test_support.h"
+#include "capture/stack/stack.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,14 +1,14 @@
-// fit_spheres_test.cpp: real photographs of a grey ball and of a rock, by the lamps that a mirror ball shows.
+// spheres_test.cpp: real photographs of a grey ball and of a rock, by the lamps that a mirror ball shows.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 #include <iostream>
 
-#include "capture/calibration_page.h"
-#include "fit/compare.h"
-#include "fit/fit_painting.h"
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "capture/calibration/calibration_page.h"
+#include "fit/evaluate/compare.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// fit_white_balance_test.cpp: photographs whose white balance changes, fitted and compared.
+// white_balance_test.cpp: photographs whose white balance changes, fitted and compared.
 #include <gmock/gmock.h>
 
-#include "fit/fit_painting.h"
-#include "fit_test_support.h"
-#include "surface/picture_file.h"
+#include "fit/pipeline/fit_painting.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

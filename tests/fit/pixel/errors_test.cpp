@@ -1,14 +1,14 @@
-// fit_errors_test.cpp: the standard errors of a fit say how far from the truth it is, and are stored with it.
-#include "fit/fit_errors.h"
+// errors_test.cpp: the standard errors of a fit say how far from the truth it is, and are stored with it.
+#include "fit/pixel/fit_errors.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <iostream>
 
-#include "fit/ward_fit.h"
-#include "surface/painting_file.h"
-#include "tests/test_support.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// fit_lighting_test.cpp: what the noise model makes of samples, clipped ones among them.
-#include "fit/lighting.h"
+// lighting_test.cpp: what the noise model makes of samples, clipped ones among them.
+#include "fit/pixel/lighting.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// fit_pixel_scores_test.cpp: how many pixels are better off, whatever the picture's mean says.
-#include "fit/pixel_scores.h"
+// pixel_scores_test.cpp: how many pixels are better off, whatever the picture's mean says.
+#include "fit/pixel/pixel_scores.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-// fit_lobe_error_test.cpp: what is said of rho_s where alpha is not known.
-#include "fit/lobe_error.h"
+// specular_error_test.cpp: what is said of rho_s where alpha is not known.
+#include "fit/pixel/specular_error.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// fit_ward_agreement_test.cpp: WardFitter against Ceres' full solver: other parameters, other bounds, other
+// ward_agreement_test.cpp: WardFitter against Ceres' full solver: other parameters, other bounds, other
 // loss code, automatic derivatives of another implementation of the lobe, the same minimum.
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
@@ -8,14 +8,14 @@
 #include <glm/geometric.hpp>
 #include <iostream>
 
-#include "fit/ward_fit.h"
-#include "surface/ward.h"
-#include "ward_samples.h"
+#include "fit/pixel/ward_fit.h"
+#include "surface/reflectance/ward.h"
+#include "tests/support/ward_samples.h"
 
 namespace tangi {
 namespace {
 
-// One sample: (model - value) / sigma with surface/ward.h's lobe, in natural parameters.
+// One sample: (model - value) / sigma with surface/reflectance/ward.h's lobe, in natural parameters.
 struct SampleCost {
     glm::dvec3 light;
     double irradiance, value, sigma;

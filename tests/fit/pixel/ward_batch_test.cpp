@@ -1,5 +1,5 @@
-// fit_ward_batch_test.cpp: the batched kernel against WardFitter, on every instruction set of this machine.
-#include "fit/ward_batch.h"
+// ward_batch_test.cpp: the batched kernel against WardFitter, on every instruction set of this machine.
+#include "fit/pixel/ward_batch.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,9 @@
 #include <iostream>
 #include <limits>
 
-#include "tests/instruction_sets.h"
-#include "ward_samples.h"
+#include "surface/base/instruction_sets.h"
+#include "tests/support/instruction_sets.h"
+#include "tests/support/ward_samples.h"
 
 namespace tangi {
 namespace {
@@ -188,9 +189,9 @@ TEST(WardBatchSets, WithFusedProductsGiveTheSameBits) {
     const std::vector<PixelSamples> pixels = some_pixels(67, 3);
     std::vector<WardSolution> first;
     std::string name;
-    for (const std::string& set : ward_instruction_sets()) {
+    for (const std::string& set : instruction_sets()) {
         if (set.starts_with("SS") || set == "SCALAR" || set == "EMU128") continue;  // not fused
-        use_ward_instruction_set(set);
+        use_instruction_set(set);
         const auto solutions = in_batches(pixels, plain_options());
         if (first.empty()) {
             first = solutions;
@@ -200,7 +201,7 @@ TEST(WardBatchSets, WithFusedProductsGiveTheSameBits) {
         for (std::size_t k = 0; k < pixels.size(); ++k)
             EXPECT_EQ(solutions[k].theta, first[k].theta) << set << " and " << name << ", pixel " << k;
     }
-    use_ward_instruction_set("");
+    use_instruction_set("");
     if (name.empty()) GTEST_SKIP() << "this machine has no instruction set with fused products";
 }
 

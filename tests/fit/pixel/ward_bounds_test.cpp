@@ -1,11 +1,11 @@
-// fit_ward_bounds_test.cpp: the robust loss of a pixel's residuals and the bounds of its parameters.
+// ward_bounds_test.cpp: the robust loss of a pixel's residuals and the bounds of its parameters.
 #include <ceres/loss_function.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fit/ward_residual.h"
-#include "test_support.h"
+#include "fit/pixel/ward_residual.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// fit_ward_fit_test.cpp: WardFitter recovers what the samples were made from, and its errors are what it
+// ward_fit_test.cpp: WardFitter recovers what the samples were made from, and its errors are what it
 // says.
-#include "fit/ward_fit.h"
+#include "fit/pixel/ward_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <iostream>
 #include <limits>
 
-#include "fit_test_support.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

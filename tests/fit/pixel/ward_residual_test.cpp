@@ -1,5 +1,5 @@
-// fit_ward_residual_test.cpp: the residuals of one pixel and their derivatives.
-#include "fit/ward_residual.h"
+// ward_residual_test.cpp: the residuals of one pixel and their derivatives.
+#include "fit/pixel/ward_residual.h"
 
 #include <ceres/cost_function.h>
 #include <ceres/gradient_checker.h>
@@ -10,9 +10,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "surface/relight.h"
-#include "surface/ward.h"
-#include "test_support.h"
+#include "surface/reflectance/ward.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-#include "fit/faithful_fit.h"
+#include "fit/residual/residual_fit.h"
 
 #include <gmock/gmock.h>
 
 #include <Eigen/Cholesky>
 #include <iostream>
 
-#include "fit/compare.h"
-#include "fit/faithful_kernel.h"
-#include "surface/parallel.h"
-#include "surface/picture_file.h"
-#include "surface/relight.h"
-#include "test_support.h"
+#include "fit/evaluate/compare.h"
+#include "fit/residual/residual_kernel.h"
+#include "surface/base/parallel.h"
+#include "surface/image_file/image_io.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

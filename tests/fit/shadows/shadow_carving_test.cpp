@@ -1,5 +1,5 @@
-// fit_shadow_carving_test.cpp: shadows in photographs say how high a wall is that no slope shows.
-#include "fit/shadow_carving.h"
+// shadow_carving_test.cpp: shadows in photographs say how high a wall is that no slope shows.
+#include "fit/shadows/shadow_carving.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fit_test_support.h"
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
+#include "tests/support/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// fit_shadow_sets_test.cpp: cast shadows (surface/shadow_march.h) with every instruction set that they are
+// shadow_sets_test.cpp: cast shadows (surface/render/shadow_march.h) with every instruction set that they are
 // compiled for.
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 
-#include "surface/cast_shadows.h"
-#include "tests/instruction_sets.h"
-#include "tests/test_support.h"
+#include "surface/render/cast_shadows.h"
+#include "tests/support/instruction_sets.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

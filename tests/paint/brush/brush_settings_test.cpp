@@ -1,9 +1,9 @@
-// paint_brush_settings_test.cpp: presets, and what is wrong with those of users.
-#include "paint/brush_settings.h"
+// brush_settings_test.cpp: presets, and what is wrong with those of users.
+#include "paint/brush/brush_settings.h"
 
 #include <gmock/gmock.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

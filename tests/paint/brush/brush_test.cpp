@@ -1,12 +1,12 @@
-// paint_brush_test.cpp: bristles, loads, and turning without loss.
-#include "paint/brush.h"
+// brush_test.cpp: bristles, loads, and turning without loss.
+#include "paint/brush/brush.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

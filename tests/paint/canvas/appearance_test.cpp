@@ -1,5 +1,5 @@
-// paint_appearance_test.cpp: painted canvases as surfaces: colour, slopes, gloss, and what stays untouched.
-#include "paint/appearance.h"
+// appearance_test.cpp: painted canvases as surfaces: colour, slopes, gloss, and what stays untouched.
+#include "paint/canvas/appearance.h"
 
 #include <gtest/gtest.h>
 
@@ -7,13 +7,13 @@
 #include <cmath>
 #include <vector>
 
-#include "paint/appearance_part.h"
-#include "paint/appearance_rows.h"
-#include "paint/kubelka_munk.h"
-#include "surface/anisotropy.h"
-#include "surface/error.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/canvas/appearance_part.h"
+#include "paint/canvas/appearance_rows.h"
+#include "paint/optics/kubelka_munk.h"
+#include "surface/base/error.h"
+#include "surface/reflectance/anisotropy.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// paint_canvas_test.cpp: recipes, drying, lifting off, dirty tiles.
-#include "paint/canvas.h"
+// canvas_test.cpp: recipes, drying, lifting off, dirty tiles.
+#include "paint/canvas/canvas.h"
 
 #include <gmock/gmock.h>
 
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// paint_paint_layer_test.cpp: sparse tiles that are copied on write.
-#include "paint/paint_layer.h"
+// paint_layer_test.cpp: sparse tiles that are copied on write.
+#include "paint/canvas/paint_layer.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

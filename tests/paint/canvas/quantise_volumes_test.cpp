@@ -1,13 +1,13 @@
-// paint_settle_test.cpp: paint that was left lies on a grid of volumes, and none of it is lost.
+// quantise_volumes_test.cpp: paint that was left lies on a grid of volumes, and none of it is lost.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "paint/canvas.h"
-#include "paint/settle.h"
-#include "paint/stroke.h"
-#include "surface/noise.h"
-#include "tests/paint_support.h"
+#include "paint/canvas/canvas.h"
+#include "paint/canvas/quantise_volumes.h"
+#include "paint/stroke/stroke.h"
+#include "surface/base/noise.h"
+#include "tests/support/paint_support.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// paint_transfer_test.cpp: what one step does to paint: nothing is lost, nothing is negative, nothing comes
+// transfer_test.cpp: what one step does to paint: nothing is lost, nothing is negative, nothing comes
 // from nowhere.
-#include "paint/transfer.h"
+#include "paint/exchange/transfer.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <numbers>
 #include <tuple>
 
-#include "paint/paint_layer.h"
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "paint/canvas/paint_layer.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,17 +1,17 @@
-// paint_upper_film_test.cpp: paint that is laid on other wet paint lies on it, until bristles stir both.
+// upper_film_test.cpp: paint that is laid on other wet paint lies on it, until bristles stir both.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdio>
 
-#include "paint/appearance.h"
-#include "paint/canvas_file.h"
-#include "paint/kubelka_munk.h"
-#include "paint/layer_pictures.h"
-#include "paint/mixing_board.h"
-#include "paint/paint_window.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/canvas/appearance.h"
+#include "paint/canvas/layer_pictures.h"
+#include "paint/files/canvas_file.h"
+#include "paint/optics/kubelka_munk.h"
+#include "paint/session/mixing_board.h"
+#include "paint/stroke/paint_window.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// paint_canvas_file_test.cpp: painted canvases come back bit for bit; damaged ones say what is wrong.
-#include "paint/canvas_file.h"
+// canvas_file_test.cpp: painted canvases come back bit for bit; damaged ones say what is wrong.
+#include "paint/files/canvas_file.h"
 
 #include <gmock/gmock.h>
 
-#include "paint/appearance.h"
-#include "paint/paint_parts.h"
-#include "surface/overview.h"
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/canvas/appearance.h"
+#include "paint/files/paint_parts.h"
+#include "surface/painting_file/overview.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

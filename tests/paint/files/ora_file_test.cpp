@@ -1,14 +1,14 @@
-// paint_ora_file_test.cpp: layers as pictures, and OpenRaster files that other programs open.
-#include "paint/ora_file.h"
+// ora_file_test.cpp: layers as pictures, and OpenRaster files that other programs open.
+#include "paint/files/ora_file.h"
 
 #include <gmock/gmock.h>
 #include <zip.h>
 
-#include "paint/canvas_file.h"
-#include "paint/layer_pictures.h"
-#include "surface/picture_file.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/canvas/layer_pictures.h"
+#include "paint/files/canvas_file.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

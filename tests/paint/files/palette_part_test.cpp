@@ -1,13 +1,13 @@
-// paint_tools_file_test.cpp: a sitting that goes on with the palette and the brush of another paints the same
+// palette_part_test.cpp: a sitting that goes on with the palette and the brush of another paints the same
 // bits as one that was never interrupted; damaged ones say what is wrong.
-#include "paint/tools_file.h"
+#include "paint/files/palette_part.h"
 
 #include <gmock/gmock.h>
 
-#include "paint/canvas_file.h"
-#include "surface/painting_file.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/files/canvas_file.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// paint_data_test.cpp: twelve bands against 38, and predictions against measured paints of other makers.
+// data_test.cpp: twelve bands against 38, and predictions against measured paints of other makers.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "paint/kubelka_munk.h"
-#include "paint/palette.h"
-#include "tests/test_support.h"
+#include "paint/optics/kubelka_munk.h"
+#include "paint/optics/palette.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

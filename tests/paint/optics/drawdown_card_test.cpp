@@ -1,11 +1,11 @@
-// paint_drawdown_test.cpp: cards show what films of the paints look like.
-#include "paint/drawdown.h"
+// drawdown_card_test.cpp: cards show what films of the paints look like.
+#include "paint/optics/drawdown_card.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "paint/kubelka_munk.h"
-#include "tests/test_support.h"
+#include "paint/optics/kubelka_munk.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

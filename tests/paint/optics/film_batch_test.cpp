@@ -1,12 +1,12 @@
-// paint_film_batch_test.cpp: many films at once against one at a time.
+// film_batch_test.cpp: many films at once against one at a time.
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "paint/kubelka_munk.h"
-#include "paint/palette.h"
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "paint/optics/kubelka_munk.h"
+#include "paint/optics/palette.h"
+#include "surface/base/parallel.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

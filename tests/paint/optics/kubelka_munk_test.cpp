@@ -1,13 +1,13 @@
-// paint_kubelka_munk_test.cpp: films of paint against the closed form, against the two-flux equations, and
+// kubelka_munk_test.cpp: films of paint against the closed form, against the two-flux equations, and
 // what painters know.
-#include "paint/kubelka_munk.h"
+#include "paint/optics/kubelka_munk.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/common.hpp>
 
-#include "paint/palette.h"
-#include "tests/test_support.h"
+#include "paint/optics/palette.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

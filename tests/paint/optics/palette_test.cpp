@@ -1,11 +1,11 @@
-// paint_palette_test.cpp: palette files, good and bad, and the built-in paints.
-#include "paint/palette.h"
+// palette_test.cpp: palette files, good and bad, and the built-in paints.
+#include "paint/optics/palette.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "paint/kubelka_munk.h"
-#include "tests/test_support.h"
+#include "paint/optics/kubelka_munk.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

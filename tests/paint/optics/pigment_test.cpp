@@ -1,12 +1,12 @@
-// paint_pigment_test.cpp: K and S from what paints look like; how thick they hide.
-#include "paint/pigment.h"
+// pigment_test.cpp: K and S from what paints look like; how thick they hide.
+#include "paint/optics/pigment.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "paint/kubelka_munk.h"
-#include "paint/palette.h"
-#include "tests/test_support.h"
+#include "paint/optics/kubelka_munk.h"
+#include "paint/optics/palette.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// paint_spectrum_test.cpp: twelve bands as colour, and a reflectance for every colour.
-#include "paint/spectrum.h"
+// spectrum_test.cpp: twelve bands as colour, and a reflectance for every colour.
+#include "paint/optics/spectrum.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// paint_history_test.cpp: undo and redo, bit for bit.
-#include "paint/history.h"
+// history_test.cpp: undo and redo, bit for bit.
+#include "paint/session/history.h"
 
 #include <gmock/gmock.h>
 
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

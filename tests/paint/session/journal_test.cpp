@@ -1,15 +1,15 @@
-// paint_journal_test.cpp: journals come back as they were written, whatever happens to the file's end.
-#include "paint/journal.h"
+// journal_test.cpp: journals come back as they were written, whatever happens to the file's end.
+#include "paint/session/journal.h"
 
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "paint/journal_file_text.h"
-#include "paint/session.h"
-#include "paint_support.h"
-#include "tests/test_support.h"
+#include "paint/session/journal_file_text.h"
+#include "paint/session/session.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

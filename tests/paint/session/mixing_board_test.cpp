@@ -1,12 +1,12 @@
-// paint_mixing_board_test.cpp: a palette that paints are mixed on, and brushes that carry them to the
+// mixing_board_test.cpp: a palette that paints are mixed on, and brushes that carry them to the
 // painting.
-#include "paint/mixing_board.h"
+#include "paint/session/mixing_board.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/parallel.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

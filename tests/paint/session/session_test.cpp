@@ -1,11 +1,11 @@
-// paint_session_test.cpp: events become paint; journals replay to the same bits.
-#include "paint/session.h"
+// session_test.cpp: events become paint; journals replay to the same bits.
+#include "paint/session/session.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/parallel.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// paint_session_warnings_test.cpp: what had no effect is told, and why.
-#include "paint/session.h"
+// session_warnings_test.cpp: what had no effect is told, and why.
+#include "paint/session/session.h"
 
 #include <gmock/gmock.h>
 
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

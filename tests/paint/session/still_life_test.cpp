@@ -1,15 +1,15 @@
-// paint_still_life_test.cpp: the demonstration paintings, small: they are pictures, and the same for any
+// still_life_test.cpp: the demonstration paintings, small: they are pictures, and the same for any
 // threads.
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "paint/appearance.h"
-#include "paint/session.h"
-#include "paint/substrate.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "paint/canvas/appearance.h"
+#include "paint/session/session.h"
+#include "paint/substrate/substrate.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

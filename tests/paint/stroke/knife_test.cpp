@@ -1,13 +1,13 @@
-// paint_knife_test.cpp: the palette knife: it spreads smooth sheets, and scrapes where it brings no paint.
+// knife_test.cpp: the palette knife: it spreads smooth sheets, and scrapes where it brings no paint.
 #include <gtest/gtest.h>
 
 #include <complex>
 #include <numbers>
 #include <numeric>
 
-#include "paint/stroke.h"
-#include "tests/paint_samples.h"
-#include "tests/paint_support.h"
+#include "paint/stroke/stroke.h"
+#include "tests/support/paint_samples.h"
+#include "tests/support/paint_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// paint_load_rows_test.cpp: loads go from row to row of pixels, whatever the direction.
-#include "paint/load_rows.h"
+// load_rows_test.cpp: loads go from row to row of pixels, whatever the direction.
+#include "paint/stroke/load_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

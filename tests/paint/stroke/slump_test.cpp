@@ -1,13 +1,13 @@
-// paint_collapse_test.cpp: what brushes pile up flows down, however far.
-#include "paint/collapse.h"
+// slump_test.cpp: what brushes pile up flows down, however far.
+#include "paint/stroke/slump.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "paint/step_rates.h"
-#include "surface/parallel.h"
-#include "tests/paint_support.h"
+#include "paint/stroke/step_rates.h"
+#include "surface/base/parallel.h"
+#include "tests/support/paint_support.h"
 
 namespace tangi {
 namespace {

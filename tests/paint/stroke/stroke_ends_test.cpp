@@ -1,13 +1,13 @@
-// paint_stroke_ends_test.cpp: where brushes are put down and lifted: rims, no ramps; dabs that are round; and
+// stroke_ends_test.cpp: where brushes are put down and lifted: rims, no ramps; dabs that are round; and
 // thin paint, which lies in streaks.
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "paint/press_out.h"
-#include "paint/stroke.h"
-#include "paint/substrate.h"
-#include "tests/paint_support.h"
+#include "paint/exchange/squeeze_out.h"
+#include "paint/stroke/stroke.h"
+#include "paint/substrate/substrate.h"
+#include "tests/support/paint_support.h"
 
 namespace tangi {
 namespace {

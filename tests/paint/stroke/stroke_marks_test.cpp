@@ -1,15 +1,15 @@
-// paint_stroke_marks_test.cpp: what strokes look like: streaks, ridges, weave that shows or
+// stroke_marks_test.cpp: what strokes look like: streaks, ridges, weave that shows or
 // is closed; in any direction and at any size of the pixels.
 #include <gtest/gtest.h>
 
 #include <numbers>
 #include <numeric>
 
-#include "paint/stroke.h"
-#include "paint/substrate.h"
-#include "tests/paint_samples.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/stroke/stroke.h"
+#include "paint/substrate/substrate.h"
+#include "tests/support/paint_samples.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// paint_stroke_repeats_test.cpp: what varies along a stroke: it does not repeat, and there are no rungs.
+// stroke_repeats_test.cpp: what varies along a stroke: it does not repeat, and there are no rungs.
 #include <gtest/gtest.h>
 
 #include <numbers>
 #include <numeric>
 
-#include "paint/stroke.h"
-#include "tests/paint_samples.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/stroke/stroke.h"
+#include "tests/support/paint_samples.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// paint_stroke_test.cpp: the laws of strokes: conservation, mixing, streaks, rotation, sameness on all
+// stroke_test.cpp: the laws of strokes: conservation, mixing, streaks, rotation, sameness on all
 // threads.
-#include "paint/dabs.h"
-#include "paint/stroke.h"
+#include "paint/stroke/stroke.h"
+#include "paint/stroke/brush_steps.h"
 
 #include <gmock/gmock.h>
 
-#include "paint/substrate.h"
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/substrate/substrate.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

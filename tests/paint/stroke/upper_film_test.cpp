@@ -1,14 +1,14 @@
-// paint_other_paint_test.cpp: which strokes have met other paint than they brought: that under their
+// upper_film_test.cpp: which strokes have met other paint than they brought: that under their
 // bristles.
-#include "paint/other_paint.h"
+#include "paint/stroke/upper_film.h"
 
 #include <gtest/gtest.h>
 
 #include <tuple>
 
-#include "paint/layer_pictures.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/canvas/layer_pictures.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// paint_picture_substrate_test.cpp: pictures as supports, and supports that are kept.
-#include "paint/picture_substrate.h"
+// picture_substrate_test.cpp: pictures as supports, and supports that are kept.
+#include "paint/substrate/picture_substrate.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/painting_file.h"
-#include "tests/test_support.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

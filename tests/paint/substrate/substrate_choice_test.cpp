@@ -1,11 +1,11 @@
-// paint_substrate_choice_test.cpp: what a new painting is painted on, toned and varnished as was asked for.
-#include "paint/substrate_choice.h"
+// substrate_choice_test.cpp: what a new painting is painted on, toned and varnished as was asked for.
+#include "paint/substrate/substrate_choice.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/light.h"
-#include "surface/painting_file.h"
-#include "tests/test_support.h"
+#include "surface/maps/light.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// paint_substrate_test.cpp: supports are seamless, level, in mm, and made of what they say.
-#include "paint/substrate.h"
+// substrate_test.cpp: supports are seamless, level, in mm, and made of what they say.
+#include "paint/substrate/substrate.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/parallel.h"
-#include "surface/relight.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// cli_bad_order_test.cpp: lists of lights in another order than the photographs, as the program's user meets
+// bad_order_test.cpp: lists of lights in another order than the photographs, as the program's user meets
 // them: the advice is the one that explains, and nothing that leaves some lights wrong ends as good.
 #include <algorithm>
 
-#include "tests/cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
 // tangipaint calibrate, run as a user would.
 #include <gmock/gmock.h>
 
-#include "ball_pictures.h"
-#include "capture/lights_file.h"
-#include "chart_pictures.h"
-#include "cli_program.h"
-#include "surface/median.h"
-#include "surface/painting_file.h"
+#include "capture/formats/lights_file.h"
+#include "surface/base/median.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/programs/support/cli_program.h"
+#include "tests/support/ball_pictures.h"
+#include "tests/support/chart_pictures.h"
 
 namespace tangi {
 namespace {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
-#include "cli_program.h"
-#include "surface/painting_parts.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

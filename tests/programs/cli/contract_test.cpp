@@ -2,7 +2,7 @@
 // writes.
 #include <gmock/gmock.h>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
 // export, import and faithful mode, run as a user would run them.
-#include "cli_program.h"
-#include "fit/metrics.h"
-#include "fit/rti_file.h"
-#include "surface/faithful.h"
+#include "fit/exchange/ptm_rti_file.h"
+#include "surface/image/metrics.h"
+#include "surface/render/relighting_residual.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

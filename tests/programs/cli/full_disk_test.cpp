@@ -1,5 +1,5 @@
 // Where a command cannot write what it made: a disk that is full, a folder that must not be written.
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,7 +1,7 @@
 // What stops a command on its way: Ctrl-C, a kill.
 #include <sys/resource.h>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

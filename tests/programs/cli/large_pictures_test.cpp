@@ -1,6 +1,6 @@
-// cli_large_pictures_test.cpp: pictures that are sound, small on disk and too large for the memory that there
+// large_pictures_test.cpp: pictures that are sound, small on disk and too large for the memory that there
 // is, wherever the program takes one.
-#include "tests/cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

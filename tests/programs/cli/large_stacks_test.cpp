@@ -1,5 +1,5 @@
-// cli_large_stacks_test.cpp: photographs of 0.6 megapixels, many of them, and of 2 and 12.
-#include "stack_sizes.h"
+// large_stacks_test.cpp: photographs of 0.6 megapixels, many of them, and of 2 and 12.
+#include "tests/programs/support/stack_sizes.h"
 
 namespace tangi {
 namespace {

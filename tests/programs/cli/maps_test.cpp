@@ -1,8 +1,8 @@
-// cli_maps_test.cpp: what exported maps, layers and RTI files say and keep, run as a user would run them.
-#include "cli_program.h"
-#include "fit/metrics.h"
-#include "fit/rti_file.h"
-#include "surface/atomic_file.h"
+// maps_test.cpp: what exported maps, layers and RTI files say and keep, run as a user would run them.
+#include "fit/exchange/ptm_rti_file.h"
+#include "surface/file/atomic_file.h"
+#include "surface/image/metrics.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

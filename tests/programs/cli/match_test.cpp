@@ -1,7 +1,7 @@
 // match, retouch and quality, run as a user would run them.
 #include <gmock/gmock.h>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
 // What a command writes never replaces what it reads: photographs cannot be taken again.
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
 // tangipaint palette, run as a user would run it.
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
 // Camera raw, frames and brackets, as a user gives them to fit and compare.
 #include <gmock/gmock.h>
 
-#include "cli_program.h"
-#include "dng_writer.h"
+#include "tests/programs/support/cli_program.h"
+#include "tests/support/dng_writer.h"
 
 namespace tangi {
 namespace {

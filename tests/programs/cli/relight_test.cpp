@@ -1,10 +1,10 @@
 // relight and compare, run as a user would run them, against what the library says.
 #include <gmock/gmock.h>
 
-#include "capture/lights_file.h"
-#include "capture/photo_file.h"
-#include "cli_program.h"
-#include "surface/relight.h"
+#include "capture/formats/lights_file.h"
+#include "capture/photo/photo_file.h"
+#include "surface/render/relight.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

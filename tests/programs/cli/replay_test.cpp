@@ -1,7 +1,7 @@
 // replay, run as a user would run it.
-#include "cli_program.h"
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// cli_result_words_test.cpp: what is told after a result, and to whom.
-#include "cli/result_words.h"
+// result_summary_test.cpp: what is told after a result, and to whom.
+#include "cli/result_summary.h"
 
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// cli_stack_sizes_test.cpp: photographs as large as cameras make them, and none of them lost.
-#include "stack_sizes.h"
+// stack_sizes_test.cpp: photographs as large as cameras make them, and none of them lost.
+#include "tests/programs/support/stack_sizes.h"
 
 namespace tangi {
 namespace {

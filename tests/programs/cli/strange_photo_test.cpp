@@ -1,10 +1,10 @@
-// cli_strange_photo_test.cpp: photographs of other programs: what is in them is used, or told.
+// strange_photo_test.cpp: photographs of other programs: what is in them is used, or told.
 #include <functional>
 #include <limits>
 
-#include "bad_stack.h"
-#include "picture_metadata.h"
-#include "tiff_writer.h"
+#include "tests/support/bad_stack.h"
+#include "tests/support/picture_metadata.h"
+#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

@@ -1,7 +1,7 @@
-// cli_treatment_test.cpp: a treatment step by step by commands, and what they refuse.
-#include "cli_program.h"
-#include "surface/atomic_file.h"
-#include "surface/picture_file.h"
+// treatment_test.cpp: a treatment step by step by commands, and what they refuse.
+#include "surface/file/atomic_file.h"
+#include "surface/image_file/image_io.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {

@@ -18,9 +18,9 @@
 #include <thread>
 
 #include "datasets/generator.h"
-#include "surface/painting_file.h"
-#include "surface/picture_file.h"
-#include "test_support.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 

@@ -1,9 +1,9 @@
 // painting_window.h: the real window with a small painting, on a screen of its own.
 #pragma once
 
-#include "surface/painting_file.h"
-#include "viewer_support.h"
-#include "window_screen.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/programs/support/window_screen.h"
+#include "tests/support/viewer_support.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "window_screen.h"
+#include "tests/programs/support/window_screen.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 

@@ -3,10 +3,10 @@
 #include <csignal>
 #include <cstdio>
 
-#include "paint/canvas_file.h"
-#include "surface/error.h"
-#include "viewer/settings.h"
-#include "viewer/window.h"
+#include "paint/files/canvas_file.h"
+#include "surface/base/error.h"
+#include "viewer/app/window.h"
+#include "viewer/model/user_settings.h"
 
 namespace {
 

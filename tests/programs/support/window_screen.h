@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "cli_program.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 

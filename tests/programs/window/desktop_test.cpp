@@ -1,11 +1,11 @@
-// viewer_desktop_test.cpp: the real window on a desktop: its monitor's profile and scale, files dropped on
+// desktop_test.cpp: the real window on a desktop: its monitor's profile and scale, files dropped on
 // it, a fit from photographs, a film.
 #include <lcms2.h>
 
-#include "viewer/x11_connection.h"
-#include "viewer_support.h"
-#include "window_screen.h"
-#include "x_client.h"
+#include "tests/programs/support/window_screen.h"
+#include "tests/programs/support/x_client.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/devices/x11_connection.h"
 
 namespace tangi {
 namespace {

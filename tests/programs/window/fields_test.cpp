@@ -1,10 +1,10 @@
-// viewer_window_fields_test.cpp: in the real window: numbers with a decimal comma, a small window with a
+// fields_test.cpp: in the real window: numbers with a decimal comma, a small window with a
 // treatment, what is compared under its own lamp, doubts that the fit had.
 #include <gmock/gmock.h>
 
-#include "paint/retouch/treatment.h"
-#include "painting_window.h"
-#include "surface/fit_doubts.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/painting_file/fit_doubts.h"
+#include "tests/programs/support/painting_window.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// viewer_window_names_test.cpp: in the real window: characters that no text had before, names as people type
+// names_test.cpp: in the real window: characters that no text had before, names as people type
 // them, the list of keys.
 #include <gmock/gmock.h>
 
-#include "painting_window.h"
+#include "tests/programs/support/painting_window.h"
 
 namespace tangi {
 namespace {

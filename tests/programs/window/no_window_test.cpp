@@ -1,9 +1,9 @@
-// viewer_no_window_test.cpp: where there is no display or no OpenGL, what the program says, and what draws
+// no_window_test.cpp: where there is no display or no OpenGL, what the program says, and what draws
 // without one.
 #include <gmock/gmock.h>
 
-#include "painting_window.h"
-#include "surface/relight.h"
+#include "surface/render/relight.h"
+#include "tests/programs/support/painting_window.h"
 
 namespace tangi {
 namespace {

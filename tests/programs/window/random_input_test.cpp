@@ -1,18 +1,18 @@
-// random_hand_test.cpp: the real window under a hand that does anything at all: it neither dies nor
+// random_input_test.cpp: the real window under a hand that does anything at all: it neither dies nor
 // complains, and the record of each painting that it saved makes that painting.
 //
 // Short here. TP_RANDOM_S=3600 lets it go on for an hour, TP_RANDOM_SEED=7 is another hand; under the
-// sanitizers (preset asan, random_tests) it is tests/window_program.cpp, which is the window without the
-// other commands.
-#include "random_hand.h"
+// sanitizers (preset asan, random_tests) it is tests/programs/support/window_program.cpp, which is the window
+// without the other commands.
+#include "tests/programs/support/random_hand.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
 
-#include "paint/retouch/treatment_strokes.h"
-#include "record_support.h"
-#include "viewer_support.h"
+#include "retouch/treatment/treatment_strokes.h"
+#include "tests/support/record_support.h"
+#include "tests/support/viewer_support.h"
 
 namespace tangi {
 namespace {

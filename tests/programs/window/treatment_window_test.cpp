@@ -1,13 +1,13 @@
-// viewer_treatment_window_test.cpp: a treatment in the real window, by pointer and keyboard: damage is
+// treatment_window_test.cpp: a treatment in the real window, by pointer and keyboard: damage is
 // suggested, corrected with the brush, filled, isolated, painted over its border, varnished; saved and opened
 // again.
 #include <gmock/gmock.h>
 
 #include "datasets/procedural_painting.h"
-#include "paint/appearance.h"
-#include "paint/retouch/treatment.h"
-#include "surface/painting_file.h"
-#include "window_screen.h"
+#include "paint/canvas/appearance.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/programs/support/window_screen.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// viewer_window_canvas_test.cpp: in the real window: a new canvas is chosen, and what is on it exported.
+// window_canvas_test.cpp: in the real window: a new canvas is chosen, and what is on it exported.
 #include <gmock/gmock.h>
 
-#include "paint/canvas_file.h"
-#include "paint/substrate.h"
-#include "painting_window.h"
+#include "paint/files/canvas_file.h"
+#include "paint/substrate/substrate.h"
+#include "tests/programs/support/painting_window.h"
 
 namespace tangi {
 namespace {

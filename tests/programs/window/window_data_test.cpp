@@ -1,13 +1,13 @@
-// viewer_window_data_test.cpp: a real painting in the real window, from opening to comparing, by pointer and
+// window_data_test.cpp: a real painting in the real window, from opening to comparing, by pointer and
 // keyboard; what is seen is checked against the reference renderer.
 #include <gmock/gmock.h>
 
-#include "cli_program.h"
-#include "paint/appearance.h"
-#include "paint/canvas_file.h"
-#include "painting_window.h"
-#include "surface/relight.h"
-#include "viewer/view.h"
+#include "paint/canvas/appearance.h"
+#include "paint/files/canvas_file.h"
+#include "surface/render/relight.h"
+#include "tests/programs/support/cli_program.h"
+#include "tests/programs/support/painting_window.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// viewer_window_sitting_test.cpp: what the real window does so that no stroke is lost.
-#include "paint/canvas_file.h"
-#include "paint/journal.h"
-#include "painting_window.h"
-#include "record_support.h"
-#include "small_disk.h"
+// window_sitting_test.cpp: what the real window does so that no stroke is lost.
+#include "paint/files/canvas_file.h"
+#include "paint/session/journal.h"
+#include "tests/programs/support/painting_window.h"
+#include "tests/programs/support/small_disk.h"
+#include "tests/support/record_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// viewer_window_test.cpp: the real window, driven by a pointer and a keyboard: tilt, light, paint, undo,
+// window_test.cpp: the real window, driven by a pointer and a keyboard: tilt, light, paint, undo,
 // save, compare, open.
 #include <gmock/gmock.h>
 
-#include "paint/canvas_file.h"
-#include "paint/journal.h"
-#include "painting_window.h"
-#include "surface/relight.h"
+#include "paint/files/canvas_file.h"
+#include "paint/session/journal.h"
+#include "surface/render/relight.h"
+#include "tests/programs/support/painting_window.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-// retouch_data_test.cpp: what is suggested and filled on the rendered impasto painting, against its truth.
+// data_test.cpp: what is suggested and filled on the rendered impasto painting, against its truth.
 #include <gtest/gtest.h>
 
 #include <iostream>
 
-#include "fit/fit_painting.h"
-#include "paint/retouch/damage_suggestion.h"
-#include "paint/retouch/fill.h"
-#include "paint/retouch/modes.h"
-#include "paint/retouch/quality.h"
-#include "surface/picture_file.h"
-#include "tests/damage_truth.h"
-#include "tests/test_support.h"
+#include "fit/pipeline/fit_painting.h"
+#include "retouch/damage/damage_suggestion.h"
+#include "retouch/fill/fill.h"
+#include "retouch/inpaint/quality.h"
+#include "retouch/inpaint/retouch_modes.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/damage_truth.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// retouch_eye_test.cpp: what the eye has of a picture from a distance.
+// eye_test.cpp: what the eye has of a picture from a distance.
 #include <gtest/gtest.h>
 
-#include "paint/retouch/viewing.h"
-#include "surface/colour.h"
-#include "tests/test_support.h"
+#include "retouch/colour_match/viewing_distance.h"
+#include "surface/image/colour.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
-// retouch_gloss_test.cpp: retouches shine as what is round them, and hide the fill that they lie on.
+// gloss_test.cpp: retouches shine as what is round them, and hide the fill that they lie on.
 #include <gtest/gtest.h>
 
 #include <tuple>
 
-#include "paint/appearance.h"
-#include "paint/retouch/fill.h"
-#include "paint/retouch/modes.h"
-#include "tests/paint_support.h"
+#include "paint/canvas/appearance.h"
+#include "retouch/fill/fill.h"
+#include "retouch/inpaint/retouch_modes.h"
+#include "tests/support/paint_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// retouch_pairs_test.cpp: pairs of pigments that are kept apart: the list, its files, what is warned of.
-#include "paint/retouch/pigment_pairs.h"
+// pairs_test.cpp: pairs of pigments that are kept apart: the list, its files, what is warned of.
+#include "retouch/colour_match/pigment_pairs.h"
 
 #include <gmock/gmock.h>
 
-#include "paint/palette.h"
-#include "paint/retouch/recipe_json.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "tests/test_support.h"
+#include "paint/optics/palette.h"
+#include "retouch/inpaint/recipe_json.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

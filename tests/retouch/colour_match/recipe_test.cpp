@@ -1,14 +1,14 @@
-// retouch_recipe_test.cpp: recipes: the subsets, the measures, the matches.
+// recipe_test.cpp: recipes: the subsets, the measures, the matches.
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <fstream>
 
-#include "paint/palette.h"
-#include "paint/retouch/paint_media.h"
-#include "paint/retouch/recipe.h"
-#include "paint/retouch/reflectance_file.h"
-#include "tests/test_support.h"
+#include "paint/optics/palette.h"
+#include "retouch/colour_match/paint_media.h"
+#include "retouch/colour_match/recipe.h"
+#include "retouch/colour_match/reflectance_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

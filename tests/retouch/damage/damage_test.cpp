@@ -1,14 +1,14 @@
-// retouch_damage_test.cpp: what is suggested on paintings whose damage is known.
+// damage_test.cpp: what is suggested on paintings whose damage is known.
 #include <gmock/gmock.h>
 
 #include <limits>
 
-#include "paint/retouch/area_suggestion.h"
-#include "paint/retouch/mask_draft.h"
-#include "surface/error.h"
-#include "surface/parallel.h"
-#include "tests/damage_truth.h"
-#include "tests/test_support.h"
+#include "retouch/damage/area_suggestion.h"
+#include "retouch/mask/mask_editor.h"
+#include "surface/base/error.h"
+#include "surface/base/parallel.h"
+#include "tests/support/damage_truth.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

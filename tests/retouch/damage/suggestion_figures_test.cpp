@@ -1,12 +1,12 @@
-// retouch_suggestion_figures_test.cpp: how often areas are suggested rightly: the table of
+// suggestion_figures_test.cpp: how often areas are suggested rightly: the table of
 // docs/retouching.md. Takes minutes, so it runs only when asked for: retouch_tests
 // --gtest_also_run_disabled_tests --gtest_filter='*Figures*'
 #include <gtest/gtest.h>
 
 #include <iostream>
 
-#include "paint/retouch/area_suggestion.h"
-#include "tests/damage_truth.h"
+#include "retouch/damage/area_suggestion.h"
+#include "tests/support/damage_truth.h"
 
 namespace tangi {
 namespace {

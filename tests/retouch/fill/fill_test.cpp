@@ -1,15 +1,15 @@
-// retouch_fill_test.cpp: fills reach the level around, keep the relief, and come off again.
-#include "paint/retouch/fill.h"
+// fill_test.cpp: fills reach the level around, keep the relief, and come off again.
+#include "retouch/fill/fill.h"
 
 #include <gmock/gmock.h>
 
 #include <numbers>
 
-#include "paint/appearance.h"
-#include "paint/retouch/treatment.h"
-#include "surface/error.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "paint/canvas/appearance.h"
+#include "retouch/treatment/treatment.h"
+#include "surface/base/error.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// retouch_synthesis_test.cpp: texture that goes on into a hole is that of what is around.
+// synthesis_test.cpp: texture that goes on into a hole is that of what is around.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "paint/retouch/fill.h"
-#include "paint/retouch/surroundings.h"
-#include "paint/retouch/texture_synthesis.h"
-#include "surface/error.h"
-#include "surface/noise.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "retouch/fill/fill.h"
+#include "retouch/fill/surroundings.h"
+#include "retouch/fill/texture_synthesis.h"
+#include "surface/base/error.h"
+#include "surface/base/noise.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// retouch_quality_test.cpp: planted steps of colour, height and gloss are found as they are.
+// quality_test.cpp: planted steps of colour, height and gloss are found as they are.
 #include <gtest/gtest.h>
 
-#include "paint/palette.h"
-#include "paint/retouch/gloss.h"
-#include "paint/retouch/quality.h"
-#include "tests/test_support.h"
+#include "paint/optics/palette.h"
+#include "retouch/colour_match/gloss.h"
+#include "retouch/inpaint/quality.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -4,14 +4,14 @@
 #include <numbers>
 #include <set>
 
-#include "paint/appearance.h"
-#include "paint/retouch/juxtaposition.h"
-#include "paint/retouch/modes.h"
-#include "paint/retouch/pigment_pairs.h"
-#include "paint/retouch/quality.h"
-#include "paint/retouch/recipe_json.h"
-#include "paint/retouch/treatment.h"
-#include "tests/test_support.h"
+#include "paint/canvas/appearance.h"
+#include "retouch/colour_match/pigment_pairs.h"
+#include "retouch/inpaint/optical_mixing.h"
+#include "retouch/inpaint/quality.h"
+#include "retouch/inpaint/recipe_json.h"
+#include "retouch/inpaint/retouch_modes.h"
+#include "retouch/treatment/treatment.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

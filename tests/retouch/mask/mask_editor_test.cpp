@@ -1,16 +1,16 @@
-// retouch_mask_draft_test.cpp: masks that are drawn by hand: brush, areas, wand, undo; steps that are shared.
-#include "paint/retouch/mask_draft.h"
+// mask_editor_test.cpp: masks that are drawn by hand: brush, areas, wand, undo; steps that are shared.
+#include "retouch/mask/mask_editor.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "paint/retouch/treatment_steps.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "tests/damage_truth.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "surface/base/error.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/damage_truth.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// retouch_mask_test.cpp: areas, outlines and distances of masks.
-#include "paint/retouch/mask.h"
+// mask_test.cpp: areas, outlines and distances of masks.
+#include "retouch/mask/mask.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -8,9 +8,9 @@
 #include <array>
 #include <numbers>
 
-#include "surface/error.h"
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,21 +1,21 @@
-// retouch_report_test.cpp: what the report says, and what other programs read of it.
-#include "paint/retouch/treatment_report.h"
+// report_test.cpp: what the report says, and what other programs read of it.
+#include "retouch/report/treatment_report.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cstdlib>
 
-#include "paint/retouch/fill.h"
-#include "paint/retouch/report_document.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_picture.h"
-#include "paint/retouch/treatment_steps.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "tests/paint_support.h"
-#include "tests/test_support.h"
+#include "retouch/fill/fill.h"
+#include "retouch/report/report_document.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_picture.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

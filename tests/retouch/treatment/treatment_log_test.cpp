@@ -1,16 +1,16 @@
-// retouch_treatment_log_test.cpp: the log of a treatment: its chain, and what it makes of edits and crashes.
-#include "paint/retouch/treatment_log.h"
+// treatment_log_test.cpp: the log of a treatment: its chain, and what it makes of edits and crashes.
+#include "retouch/treatment/treatment_log.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "paint/retouch/sha256.h"
-#include "paint/retouch/treatment_folder.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "tests/test_support.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/sha256.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

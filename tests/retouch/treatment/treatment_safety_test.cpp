@@ -1,17 +1,17 @@
-// retouch_treatment_safety_test.cpp: treatments that two programs, crashes and wrong files come into.
-#include "paint/retouch/treatment.h"
+// treatment_safety_test.cpp: treatments that two programs, crashes and wrong files come into.
+#include "retouch/treatment/treatment.h"
 
 #include <gmock/gmock.h>
 
 #include <atomic>
 #include <thread>
 
-#include "paint/canvas_file.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_folder.h"
-#include "paint/retouch/treatment_steps.h"
-#include "surface/error.h"
-#include "tests/treatment_folder.h"
+#include "paint/files/canvas_file.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "surface/base/error.h"
+#include "tests/support/treatment_folder.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
-// retouch_treatment_strokes_test.cpp: journals that a treatment's log vouches for can be painted again, or it
+// treatment_strokes_test.cpp: journals that a treatment's log vouches for can be painted again, or it
 // is told.
-#include "paint/retouch/treatment_strokes.h"
+#include "retouch/treatment/treatment_strokes.h"
 
 #include <gmock/gmock.h>
 
-#include "paint/retouch/treatment_steps.h"
-#include "paint/session.h"
-#include "tests/treatment_folder.h"
+#include "paint/session/session.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "tests/support/treatment_folder.h"
 
 namespace tangi {
 namespace {

@@ -1,19 +1,19 @@
-// retouch_treatment_test.cpp: the folder of a treatment: its layers, and that nothing is lost.
-#include "paint/retouch/treatment.h"
+// treatment_test.cpp: the folder of a treatment: its layers, and that nothing is lost.
+#include "retouch/treatment/treatment.h"
 
 #include <gmock/gmock.h>
 
-#include "paint/canvas_file.h"
-#include "paint/retouch/removed_layers.h"
-#include "paint/retouch/sha256.h"
-#include "paint/retouch/treatment_area.h"
-#include "paint/retouch/treatment_folder.h"
-#include "paint/retouch/treatment_report.h"
-#include "paint/retouch/treatment_steps.h"
-#include "surface/atomic_file.h"
-#include "surface/error.h"
-#include "surface/painting_file.h"
-#include "tests/treatment_folder.h"
+#include "paint/files/canvas_file.h"
+#include "retouch/report/treatment_report.h"
+#include "retouch/treatment/removed_layers.h"
+#include "retouch/treatment/treatment_area.h"
+#include "retouch/treatment/treatment_folder.h"
+#include "retouch/treatment/treatment_steps.h"
+#include "surface/base/error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/sha256.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/treatment_folder.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// surface_json_text_test.cpp: JSON that says something twice is refused with its line; messages stay short.
-#include "surface/json_text.h"
+// json_text_test.cpp: JSON that says something twice is refused with its line; messages stay short.
+#include "surface/base/json_text.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/json_reading.h"
-#include "tests/test_support.h"
+#include "surface/base/json_reading.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

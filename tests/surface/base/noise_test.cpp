@@ -1,5 +1,5 @@
-// surface_noise_test.cpp: hashed randomness has the distributions it promises.
-#include "surface/noise.h"
+// noise_test.cpp: hashed randomness has the distributions it promises.
+#include "surface/base/noise.h"
 
 #include <gtest/gtest.h>
 

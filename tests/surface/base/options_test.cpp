@@ -1,11 +1,11 @@
-// surface_options_test.cpp: one list of fields gives validation messages and JSON.
-#include "surface/options.h"
+// options_test.cpp: one list of fields gives validation messages and JSON.
+#include "surface/base/options.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
-// surface_parallel_test.cpp: loops that visit every item once, on any number of threads, and let exceptions
+// parallel_test.cpp: loops that visit every item once, on any number of threads, and let exceptions
 // out.
-#include "surface/parallel.h"
+#include "surface/base/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <chrono>
 #include <thread>
 
-#include "surface/progress.h"
-#include "tests/test_support.h"
+#include "surface/base/progress.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

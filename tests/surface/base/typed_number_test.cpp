@@ -1,6 +1,6 @@
-// surface_typed_number_test.cpp: a decimal comma is a decimal comma, and what can be read in two ways is
+// typed_number_test.cpp: a decimal comma is a decimal comma, and what can be read in two ways is
 // refused.
-#include "surface/typed_number.h"
+#include "surface/base/typed_number.h"
 
 #include <gmock/gmock.h>
 

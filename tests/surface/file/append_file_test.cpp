@@ -1,6 +1,6 @@
-// surface_append_file_test.cpp: records that are appended whole or not at all, also after a write that broke
+// append_file_test.cpp: records that are appended whole or not at all, also after a write that broke
 // off.
-#include "surface/append_file.h"
+#include "surface/file/append_file.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@
 
 #include <cstdlib>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace {
 // A disk that fails a sync and drops what it was to keep: of `lost_of`, all beyond `kept` bytes reads as

@@ -1,10 +1,10 @@
-// surface_atomic_file_test.cpp: files that appear whole or not at all.
-#include "surface/atomic_file.h"
+// atomic_file_test.cpp: files that appear whole or not at all.
+#include "surface/file/atomic_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

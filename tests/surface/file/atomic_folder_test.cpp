@@ -1,5 +1,5 @@
-// surface_atomic_folder_test.cpp: folders that appear whole or not at all, and what killed programs leave.
-#include "surface/atomic_folder.h"
+// atomic_folder_test.cpp: folders that appear whole or not at all, and what killed programs leave.
+#include "surface/file/atomic_folder.h"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>
@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "surface/atomic_file.h"
-#include "surface/stale_temporaries.h"
-#include "tests/test_support.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/stale_temporaries.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

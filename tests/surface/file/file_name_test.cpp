@@ -1,12 +1,12 @@
-// surface_file_name_test.cpp: names that are too long, and places that cannot be looked into, in plain words.
-#include "surface/file_name.h"
+// file_name_test.cpp: names that are too long, and places that cannot be looked into, in plain words.
+#include "surface/file/file_name.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/atomic_file.h"
-#include "surface/error_message.h"
-#include "surface/memory_error.h"
-#include "tests/test_support.h"
+#include "surface/base/memory_error.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/error_message.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

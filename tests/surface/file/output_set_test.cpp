@@ -1,15 +1,15 @@
-// surface_output_set_test.cpp: files that belong together are put in place together.
-#include "surface/output_set.h"
+// output_set_test.cpp: files that belong together are put in place together.
+#include "surface/file/output_set.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 
-#include "surface/atomic_file.h"
-#include "surface/atomic_folder.h"
-#include "surface/stale_temporaries.h"
-#include "tests/test_support.h"
+#include "surface/file/atomic_file.h"
+#include "surface/file/atomic_folder.h"
+#include "surface/file/stale_temporaries.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

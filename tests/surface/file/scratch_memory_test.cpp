@@ -1,12 +1,12 @@
-// surface_scratch_memory_test.cpp: memory that may lie on disk is memory all the same.
-#include "surface/scratch_memory.h"
+// scratch_memory_test.cpp: memory that may lie on disk is memory all the same.
+#include "surface/file/scratch_memory.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <span>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-#include "fit/colour_rows.h"
+#include "surface/image/colour_rows.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "fit/ward_batch.h"
+#include "surface/base/instruction_sets.h"
 
 namespace tangi {
 namespace {
@@ -27,12 +27,12 @@ std::vector<Rgb> any_colours(std::size_t count, unsigned seed) {
 // Runs a test on every instruction set that the machine has.
 template <class Test>
 void on_every_instruction_set(const Test& test) {
-    for (const std::string& name : ward_instruction_sets()) {
+    for (const std::string& name : instruction_sets()) {
         SCOPED_TRACE(name);
-        use_ward_instruction_set(name);
+        use_instruction_set(name);
         test();
     }
-    use_ward_instruction_set("");
+    use_instruction_set("");
 }
 
 TEST(TransferRow, SaysWhatTransferSaysOfEachPixel) {

@@ -1,5 +1,5 @@
-// surface_colour_test.cpp: transfer curves and CIE colour against published values.
-#include "surface/colour.h"
+// colour_test.cpp: transfer curves and CIE colour against published values.
+#include "surface/image/colour.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,15 +1,15 @@
-// surface_memory_budget_test.cpp: pictures that are sound, small on disk and larger than the memory are
+// memory_budget_test.cpp: pictures that are sound, small on disk and larger than the memory are
 // refused before memory for them is asked for.
-#include "surface/memory_budget.h"
+#include "surface/image/memory_budget.h"
 
 #include <gmock/gmock.h>
 
 #include <limits>
 
-#include "surface/picture_file.h"
-#include "surface/picture_header.h"
-#include "tests/picture_metadata.h"
-#include "tests/test_support.h"
+#include "surface/image_file/image_io.h"
+#include "surface/image_file/picture_header.h"
+#include "tests/support/picture_metadata.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-#include "fit/metrics.h"
+#include "surface/image/metrics.h"
 
 #include <cmath>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

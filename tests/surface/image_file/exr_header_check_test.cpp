@@ -1,14 +1,14 @@
-// surface_exr_claim_test.cpp: what headers and tables of EXR files promise is compared with their length,
+// exr_header_check_test.cpp: what headers and tables of EXR files promise is compared with their length,
 // before memory is asked for and whichever part is read.
-#include "surface/exr_claim.h"
+#include "surface/image_file/exr_header_check.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
-#include "tests/test_support.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

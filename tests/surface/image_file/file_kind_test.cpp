@@ -1,10 +1,10 @@
-// surface_file_kind_test.cpp: what is no picture is called by its name, whatever the file is called.
-#include "surface/file_kind.h"
+// file_kind_test.cpp: what is no picture is called by its name, whatever the file is called.
+#include "surface/image_file/file_kind.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

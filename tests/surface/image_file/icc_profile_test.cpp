@@ -1,14 +1,14 @@
-// surface_icc_profile_test.cpp: the profile means what a colour management system takes for sRGB.
-#include "surface/icc_profile.h"
+// icc_profile_test.cpp: the profile means what a colour management system takes for sRGB.
+#include "surface/image_file/icc_profile.h"
 
 #include <gtest/gtest.h>
 #include <lcms2.h>
 
 #include <array>
 
-#include "surface/colour.h"
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
+#include "surface/image/colour.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

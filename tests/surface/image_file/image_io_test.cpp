@@ -1,5 +1,5 @@
-// surface_picture_file_test.cpp: pictures to files and back, within what their format can hold.
-#include "surface/picture_file.h"
+// image_io_test.cpp: pictures to files and back, within what their format can hold.
+#include "surface/image_file/image_io.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -7,9 +7,9 @@
 
 #include <functional>
 
-#include "surface/picture_rows.h"
-#include "surface/picture_with_alpha.h"
-#include "tests/test_support.h"
+#include "surface/image_file/image_alpha.h"
+#include "surface/image_file/picture_rows.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

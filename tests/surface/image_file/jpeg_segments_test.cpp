@@ -1,9 +1,9 @@
-// surface_jpeg_segments_test.cpp: a JPEG file is whole where its picture is, whatever follows.
-#include "surface/jpeg_segments.h"
+// jpeg_segments_test.cpp: a JPEG file is whole where its picture is, whatever follows.
+#include "surface/image_file/jpeg_segments.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

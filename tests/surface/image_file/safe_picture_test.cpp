@@ -1,16 +1,16 @@
-// surface_safe_picture_test.cpp: what is believed of a picture's file before a library opens it: sizes that
+// safe_picture_test.cpp: what is believed of a picture's file before a library opens it: sizes that
 // it cannot hold, profiles, EXIF and XMP on which OpenImageIO 2.4 ends the process.
-#include "surface/safe_picture.h"
+#include "surface/image_file/safe_picture.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
 
-#include "surface/exif_block.h"
-#include "surface/icc_profile.h"
-#include "tests/picture_metadata.h"
-#include "tests/test_support.h"
+#include "surface/image_file/exif_block.h"
+#include "surface/image_file/icc_profile.h"
+#include "tests/support/picture_metadata.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// surface_tiff_pages_test.cpp: of several pictures in a TIFF file, the one that is meant.
-#include "surface/tiff_pages.h"
+// tiff_pages_test.cpp: of several pictures in a TIFF file, the one that is meant.
+#include "surface/image_file/tiff_pages.h"
 
 #include <gtest/gtest.h>
 
-#include "surface/picture_file.h"
-#include "tests/test_support.h"
-#include "tests/tiff_writer.h"
+#include "surface/image_file/image_io.h"
+#include "tests/support/test_support.h"
+#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// surface_lamp_model_test.cpp: unseen lamps are predicted from those that were photographed.
-#include "surface/lamp_model.h"
+// light_model_test.cpp: unseen lamps are predicted from those that were photographed.
+#include "surface/maps/light_model.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <iostream>
 #include <numeric>
 
-#include "surface/surface.h"
-#include "tests/test_support.h"
+#include "surface/maps/surface.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// surface_light_test.cpp: distant and near lights: direction, falloff, unit vectors.
-#include "surface/light.h"
+// light_test.cpp: distant and near lights: direction, falloff, unit vectors.
+#include "surface/maps/light.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

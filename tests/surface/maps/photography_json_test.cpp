@@ -1,11 +1,11 @@
-// surface_photography_json_test.cpp: what is known of the photographs as JSON and back, and JSON that is not
+// photography_json_test.cpp: what is known of the photographs as JSON and back, and JSON that is not
 // that.
-#include "surface/photography_json.h"
+#include "surface/maps/photography_json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// surface_surface_test.cpp: slopes, normals of a height map, planes: conversions that lose nothing.
-#include "surface/surface.h"
+// surface_test.cpp: slopes, normals of a height map, planes: conversions that lose nothing.
+#include "surface/maps/surface.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,12 +1,12 @@
-// surface_scan_blocks_test.cpp: blocks of rows unpacked by us hold what OpenEXR reads from them, bit for bit.
-#include "surface/scan_blocks.h"
+// exr_parallel_reader_test.cpp: blocks of rows unpacked by us hold what OpenEXR reads from them, bit for bit.
+#include "surface/painting_file/exr_parallel_reader.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
-#include "surface/painting_file.h"
-#include "surface/painting_parts.h"
-#include "tests/test_support.h"
+#include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// surface_fit_doubts_test.cpp: what a fit had doubts about is read back from the painting's provenance.
-#include "surface/fit_doubts.h"
+// fit_doubts_test.cpp: what a fit had doubts about is read back from the painting's provenance.
+#include "surface/painting_file/fit_doubts.h"
 
 #include <gmock/gmock.h>
 

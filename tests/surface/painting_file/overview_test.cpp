@@ -1,11 +1,11 @@
-// surface_overview_test.cpp: the small picture in a large painting's file: means of what is seen, and nothing
+// overview_test.cpp: the small picture in a large painting's file: means of what is seen, and nothing
 // where it does not belong to the maps.
-#include "surface/overview.h"
+#include "surface/painting_file/overview.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/painting_file.h"
-#include "tests/test_support.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// surface_painting_file_test.cpp: paintings go to disk and come back bit for bit, or the Error says why not.
-#include "surface/painting_file.h"
+// painting_file_test.cpp: paintings go to disk and come back bit for bit, or the Error says why not.
+#include "surface/painting_file/painting_file.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 
-#include "surface/parallel.h"
-#include "tests/foreign_painting.h"
-#include "tests/painting_file_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/foreign_painting.h"
+#include "tests/support/painting_file_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// surface_painting_parts_test.cpp: parts beside `dry` come back as they were.
-#include "surface/painting_parts.h"
+// painting_parts_test.cpp: parts beside `dry` come back as they were.
+#include "surface/painting_file/painting_parts.h"
 
 #include <gmock/gmock.h>
 
-#include "surface/painting_file.h"
-#include "surface/part_pixels.h"
-#include "tests/test_support.h"
+#include "surface/painting_file/exr_pixel_reader.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

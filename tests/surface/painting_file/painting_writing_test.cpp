@@ -1,8 +1,8 @@
-// surface_painting_writing_test.cpp: what cannot be written leaves what was there, and says why.
+// painting_writing_test.cpp: what cannot be written leaves what was there, and says why.
 #include <gmock/gmock.h>
 
-#include "surface/painting_file.h"
-#include "tests/painting_file_support.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/painting_file_support.h"
 
 namespace tangi {
 namespace {

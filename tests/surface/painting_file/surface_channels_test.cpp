@@ -1,11 +1,11 @@
-// surface_dry_channels_test.cpp: the hash that proves that a dry layer has not changed.
-#include "surface/dry_channels.h"
+// surface_channels_test.cpp: the hash that proves that a dry layer has not changed.
+#include "surface/painting_file/surface_channels.h"
 
 #include <gtest/gtest.h>
 
-#include "surface/painting_file.h"
-#include "surface/parallel.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// surface_anisotropy_test.cpp: lobes that are drawn out: no light is made, both ways are alike, stretches are
+// anisotropy_test.cpp: lobes that are drawn out: no light is made, both ways are alike, stretches are
 // told in one way only, and stretch 0 is the isotropic lobe.
-#include "surface/anisotropy.h"
+#include "surface/reflectance/anisotropy.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "surface/relight.h"
-#include "test_support.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,14 +1,14 @@
-// surface_diffuse_test.cpp: the laws that rough diffuse reflection obeys.
-#include "surface/diffuse.h"
+// oren_nayar_test.cpp: the laws that rough diffuse reflection obeys.
+#include "surface/reflectance/oren_nayar.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "surface/ward.h"
-#include "tests/reflectance_support.h"
-#include "tests/test_support.h"
+#include "surface/reflectance/ward.h"
+#include "tests/support/reflectance_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

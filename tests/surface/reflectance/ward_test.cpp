@@ -1,5 +1,5 @@
-// surface_ward_test.cpp: the laws that the Ward lobes obey: energy, reciprocity, symmetry, finite numbers.
-#include "surface/ward.h"
+// ward_test.cpp: the laws that the Ward lobes obey: energy, reciprocity, symmetry, finite numbers.
+#include "surface/reflectance/ward.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "tests/reflectance_support.h"
-#include "tests/test_support.h"
+#include "tests/support/reflectance_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

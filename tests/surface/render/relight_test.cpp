@@ -1,14 +1,14 @@
-// surface_relight_test.cpp: the laws of the reference renderer: linear in the lights, symmetric, finite.
-#include "surface/relight.h"
+// relight_test.cpp: the laws of the reference renderer: linear in the lights, symmetric, finite.
+#include "surface/render/relight.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "surface/parallel.h"
-#include "tests/reflectance_support.h"
-#include "tests/test_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/reflectance_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

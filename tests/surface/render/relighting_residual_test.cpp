@@ -1,12 +1,12 @@
-#include "surface/faithful.h"
+#include "surface/render/relighting_residual.h"
 
 #include <gmock/gmock.h>
 
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
-#include "surface/painting_file.h"
-#include "test_support.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// surface_visibility_test.cpp: cast shadows of relight.h: how long, how soft, and never NaN.
+// visibility_test.cpp: cast shadows of relight.h: how long, how soft, and never NaN.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
-#include "surface/cast_shadows.h"
-#include "surface/relight.h"
-#include "tests/test_support.h"
+#include "surface/render/cast_shadows.h"
+#include "surface/render/relight.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

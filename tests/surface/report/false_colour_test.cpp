@@ -1,10 +1,10 @@
-#include "fit/false_colour.h"
+#include "surface/report/false_colour.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// viewer_carried_test.cpp: what a brush brings along to the palette that paints are mixed on.
+// carried_test.cpp: what a brush brings along to the palette that paints are mixed on.
 #include <gtest/gtest.h>
 
-#include "paint/palette.h"
-#include "viewer/window_state.h"
+#include "paint/optics/palette.h"
+#include "viewer/model/window_state.h"
 
 namespace tangi {
 namespace {

@@ -1,14 +1,14 @@
-// viewer_devices_test.cpp: gamepads, heads, light and gravity as numbers; cameras as video files; sensors as
+// devices_test.cpp: gamepads, heads, light and gravity as numbers; cameras as video files; sensors as
 // folders.
-#include "viewer/devices.h"
+#include "viewer/app/devices.h"
 
 #include <gmock/gmock.h>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
-#include "test_support.h"
-#include "viewer/film.h"
-#include "viewer/room_light.h"
+#include "tests/support/test_support.h"
+#include "viewer/devices/ambient_light_tracking.h"
+#include "viewer/video/video_writer.h"
 
 namespace tangi {
 namespace {

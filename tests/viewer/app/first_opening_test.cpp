@@ -1,12 +1,12 @@
-// viewer_first_opening_test.cpp: what is read beside the window comes out of it, or what went wrong, or it is
+// first_opening_test.cpp: what is read beside the window comes out of it, or what went wrong, or it is
 // stopped.
-#include "viewer/first_opening.h"
+#include "viewer/app/first_opening.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// viewer_hand_test.cpp: what a hand's events make of a stroke: its points are the pen's alone, and the brush
+// hand_test.cpp: what a hand's events make of a stroke: its points are the pen's alone, and the brush
 // is held by the hand however the painting is turned.
-#include "viewer/hand.h"
+#include "viewer/app/input_controller.h"
 
 #include <GLFW/glfw3.h>
 #include <gmock/gmock.h>
 
-#include "painter_support.h"
+#include "tests/support/painter_support.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// viewer_live_picture_test.cpp: pictures that move are coarser where that is faster, and nowhere else.
-#include "viewer/live_picture.h"
+// live_view_test.cpp: pictures that move are coarser where that is faster, and nowhere else.
+#include "viewer/app/live_view.h"
 
 #include <gtest/gtest.h>
 

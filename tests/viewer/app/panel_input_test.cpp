@@ -1,6 +1,6 @@
-// viewer_panel_input_test.cpp: whatever pointer and keyboard do within one slow frame reaches the panels,
+// panel_input_test.cpp: whatever pointer and keyboard do within one slow frame reaches the panels,
 // each event once and in order.
-#include "viewer/panel_input.h"
+#include "viewer/app/panel_input.h"
 
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>

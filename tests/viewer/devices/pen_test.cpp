@@ -1,5 +1,5 @@
-// viewer_pen_test.cpp: what the valuators of a pen say: pressure, tilt, rotation, which end.
-#include "viewer/pen.h"
+// pen_test.cpp: what the valuators of a pen say: pressure, tilt, rotation, which end.
+#include "viewer/devices/pen.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-// viewer_pointer_stream_test.cpp: which device the pointer's events are of, and what a pen that is near puts
+// pointer_stream_test.cpp: which device the pointer's events are of, and what a pen that is near puts
 // out of action.
 #include <GLFW/glfw3.h>
 #include <gmock/gmock.h>
 
-#include "viewer/input.h"
+#include "viewer/devices/input.h"
 
 namespace tangi {
 namespace {

@@ -1,5 +1,5 @@
-// viewer_touch_test.cpp: what fingers do, as events of a mouse and gestures of two.
-#include "viewer/touch.h"
+// touch_test.cpp: what fingers do, as events of a mouse and gestures of two.
+#include "viewer/devices/touch.h"
 
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "viewer/input.h"
+#include "viewer/devices/input.h"
 
 namespace tangi {
 namespace {

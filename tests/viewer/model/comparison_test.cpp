@@ -1,14 +1,14 @@
-// viewer_comparison_test.cpp: photographs are read beside the window, what is wanted first; broken ones are
+// comparison_test.cpp: photographs are read beside the window, what is wanted first; broken ones are
 // named. And jobs beside it.
-#include "viewer/comparison.h"
+#include "viewer/model/comparison.h"
 
 #include <gmock/gmock.h>
 
 #include <atomic>
 #include <chrono>
 
-#include "surface/error.h"
-#include "viewer/job.h"
+#include "surface/base/error.h"
+#include "viewer/model/background_job.h"
 
 namespace tangi {
 namespace {

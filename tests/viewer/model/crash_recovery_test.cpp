@@ -1,4 +1,4 @@
-// viewer_sitting_test.cpp: of what was painted, nothing is lost and nothing is painted twice, whenever a
+// crash_recovery_test.cpp: of what was painted, nothing is lost and nothing is painted twice, whenever a
 // program dies.
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -10,14 +10,14 @@
 #include <atomic>
 #include <thread>
 
-#include "paint/canvas_file.h"
-#include "paint/canvas_hash.h"
-#include "paint/tools_file.h"
-#include "paint_support.h"
-#include "surface/noise.h"
-#include "surface/painting_file.h"
-#include "viewer/painter.h"
-#include "viewer_support.h"
+#include "paint/canvas/canvas_hash.h"
+#include "paint/files/canvas_file.h"
+#include "paint/files/palette_part.h"
+#include "surface/base/noise.h"
+#include "surface/painting_file/painting_file.h"
+#include "tests/support/paint_support.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/model/painter.h"
 
 namespace {
 // Of a program that dies before the n-th name that it gives a file; 0: of none.

@@ -1,5 +1,5 @@
-// viewer_damage_map_test.cpp: masks of damage as a picture over the painting.
-#include "viewer/damage_map.h"
+// damage_map_test.cpp: masks of damage as a picture over the painting.
+#include "viewer/model/damage_map.h"
 
 #include <gtest/gtest.h>
 

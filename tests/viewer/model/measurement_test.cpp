@@ -1,9 +1,9 @@
-// viewer_measure_test.cpp: heights along a line and statistics of a region, against what is known.
-#include "viewer/measure.h"
+// measurement_test.cpp: heights along a line and statistics of a region, against what is known.
+#include "viewer/model/measurement.h"
 
 #include <gmock/gmock.h>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// viewer_painter_files_test.cpp: strokes are recorded, saved and recovered, in one window at a time.
+// painter_files_test.cpp: strokes are recorded, saved and recovered, in one window at a time.
 #include <gmock/gmock.h>
 
-#include "painter_support.h"
-#include "surface/painting_parts.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/support/painter_support.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// viewer_painter_recording_test.cpp: journals of a painter whose disk fails, whose keys come in mid-stroke,
+// painter_recording_test.cpp: journals of a painter whose disk fails, whose keys come in mid-stroke,
 // and whose painting is replaced: no stroke is lost, and every journal replays to what was saved.
 #include <gmock/gmock.h>
 
-#include "recording_support.h"
-#include "small_disk.h"
+#include "tests/programs/support/small_disk.h"
+#include "tests/support/recording_support.h"
 
 namespace tangi {
 namespace {

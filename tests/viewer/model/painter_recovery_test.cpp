@@ -1,8 +1,8 @@
-// viewer_painter_recovery_test.cpp: strokes that a crash left come back as they were painted, and on their
+// painter_recovery_test.cpp: strokes that a crash left come back as they were painted, and on their
 // own painting.
 #include <gmock/gmock.h>
 
-#include "recording_support.h"
+#include "tests/support/recording_support.h"
 
 namespace tangi {
 namespace {

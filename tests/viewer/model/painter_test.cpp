@@ -1,9 +1,9 @@
-// viewer_painter_test.cpp: what the window sends is painted and shown, on a thread of its own.
+// painter_test.cpp: what the window sends is painted and shown, on a thread of its own.
 #include <gmock/gmock.h>
 
-#include "paint/appearance.h"
-#include "painter_support.h"
-#include "surface/painting_parts.h"
+#include "paint/canvas/appearance.h"
+#include "surface/painting_file/painting_parts.h"
+#include "tests/support/painter_support.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// viewer_random_sitting_test.cpp: anything at all in any order, on a disk that fills up and a program that is
+// random_events_test.cpp: anything at all in any order, on a disk that fills up and a program that is
 // killed: every journal replays to what was saved, bit for bit.
 //
 // Short here. TP_RANDOM_S=3600 lets it go on for an hour, TP_RANDOM_SEED=7 is another hand.
 #include <gmock/gmock.h>
 
-#include "paint/retouch/confining_mask.h"
-#include "painter_support.h"
+#include "retouch/treatment/confining_mask.h"
+#include "tests/support/painter_support.h"
 
 namespace tangi {
 namespace {

@@ -1,16 +1,16 @@
-// viewer_shortcuts_test.cpp: keys, their names, and the file in which the user changes them; what is
+// shortcuts_test.cpp: keys, their names, and the file in which the user changes them; what is
 // remembered.
-#include "viewer/shortcuts.h"
+#include "viewer/model/shortcuts.h"
 
 #include <GLFW/glfw3.h>
 #include <gmock/gmock.h>
 
 #include <set>
 
-#include "surface/atomic_file.h"
-#include "test_support.h"
+#include "surface/file/atomic_file.h"
+#include "tests/support/test_support.h"
+#include "viewer/model/user_settings.h"
 #include "viewer/panels/file_dialog.h"
-#include "viewer/settings.h"
 
 namespace tangi {
 namespace {

@@ -1,11 +1,11 @@
-// viewer_fonts_test.cpp: what the first typeface of the panels has not comes from others on the machine.
-#include "viewer/fonts.h"
+// fonts_test.cpp: what the first typeface of the panels has not comes from others on the machine.
+#include "viewer/panels/fonts.h"
 
 #include <fontconfig/fontconfig.h>
 #include <gmock/gmock.h>
 #include <imgui.h>
 
-#include "viewer/shown_texts.h"
+#include "viewer/panels/shown_texts.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// viewer_panel_names_test.cpp: no two things in a panel have one name: Dear ImGui tells them apart by it, and
+// panel_names_test.cpp: no two things in a panel have one name: Dear ImGui tells them apart by it, and
 // ends the program where it takes a slider that is dragged for a button. And none of them moves under the
 // pointer when something happens that nobody clicked for.
 //
@@ -9,10 +9,10 @@
 
 #include <set>
 
-#include "paint/brush_settings.h"
-#include "viewer/fonts.h"
+#include "paint/brush/brush_settings.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/panels/fonts.h"
 #include "viewer/panels/panels.h"
-#include "viewer_support.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// viewer_panels_test.cpp: panels drawn without a window: what can be reached, and that nothing lies over
+// panels_test.cpp: panels drawn without a window: what can be reached, and that nothing lies over
 // another.
 #include "viewer/panels/panels.h"
 

@@ -1,10 +1,10 @@
-// viewer_monitor_test.cpp: what is drawn for a monitor's profile is what lcms2 says of the same colours.
-#include "viewer/monitor.h"
+// display_profile_test.cpp: what is drawn for a monitor's profile is what lcms2 says of the same colours.
+#include "viewer/render/display_profile.h"
 
 #include <gmock/gmock.h>
 #include <lcms2.h>
 
-#include "viewer_support.h"
+#include "tests/support/viewer_support.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// viewer_horizon_test.cpp: horizons of walls and planes, whose angles are known.
-#include "viewer/horizon.h"
+// horizon_test.cpp: horizons of walls and planes, whose angles are known.
+#include "viewer/render/horizon.h"
 
 #include <cmath>
 #include <numbers>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

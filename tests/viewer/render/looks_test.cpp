@@ -1,6 +1,6 @@
-// viewer_looks_test.cpp: ways to look at a painting otherwise than it is seen.
-#include "viewer/renderer.h"
-#include "viewer_support.h"
+// looks_test.cpp: ways to look at a painting otherwise than it is seen.
+#include "tests/support/viewer_support.h"
+#include "viewer/render/renderer.h"
 
 namespace tangi {
 namespace {

@@ -1,8 +1,8 @@
-// viewer_renderer_colours_test.cpp: the colours that OpenGL draws are those of their definitions.
-#include "viewer/renderer.h"
+// renderer_colours_test.cpp: the colours that OpenGL draws are those of their definitions.
+#include "viewer/render/renderer.h"
 
-#include "viewer/view.h"
-#include "viewer_support.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

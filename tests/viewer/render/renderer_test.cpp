@@ -1,12 +1,12 @@
-// viewer_renderer_test.cpp: OpenGL draws what the reference renderer computes, near and from afar.
+// renderer_test.cpp: OpenGL draws what the reference renderer computes, near and from afar.
 #include <gmock/gmock.h>
 
-#include "viewer/renderer.h"
+#include "viewer/render/renderer.h"
 
-#include "surface/parallel.h"
-#include "viewer/scene_picture.h"
-#include "viewer/view.h"
-#include "viewer_support.h"
+#include "surface/base/parallel.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/render/cpu_render.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

@@ -1,7 +1,7 @@
-// viewer_texels_test.cpp: packed maps come back as they were, and levels of detail conserve what they must.
-#include "viewer/texels.h"
+// texels_test.cpp: packed maps come back as they were, and levels of detail conserve what they must.
+#include "viewer/render/texels.h"
 
-#include "viewer_support.h"
+#include "tests/support/viewer_support.h"
 
 namespace tangi {
 namespace {

@@ -1,13 +1,13 @@
-// viewer_tile_cache_test.cpp: what is seen is on the device, and no more than fits.
-#include "viewer/tile_cache.h"
+// tile_cache_test.cpp: what is seen is on the device, and no more than fits.
+#include "viewer/render/tile_cache.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "test_support.h"
-#include "viewer/view.h"
+#include "tests/support/test_support.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

@@ -1,10 +1,10 @@
-// viewer_tilt_test.cpp: rotations of the thesis, and a hand that lets go.
-#include "viewer/tilt.h"
+// tilt_test.cpp: rotations of the thesis, and a hand that lets go.
+#include "viewer/render/tilt.h"
 
 #include <glm/matrix.hpp>
 #include <numbers>
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

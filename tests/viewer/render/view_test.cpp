@@ -1,7 +1,7 @@
-// viewer_view_test.cpp: where a painting is on the screen, and back.
-#include "viewer/view.h"
+// view_test.cpp: where a painting is on the screen, and back.
+#include "viewer/render/view.h"
 
-#include "test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {

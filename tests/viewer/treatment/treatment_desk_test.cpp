@@ -1,10 +1,10 @@
-// viewer_treatment_desk_test.cpp: a treatment beside the window, without one: damage is suggested and drawn,
+// treatment_desk_test.cpp: a treatment beside the window, without one: damage is suggested and drawn,
 // filled, retouched; painting stops at it; all of it is in the log.
 #include <gmock/gmock.h>
 
-#include "paint/appearance.h"
-#include "surface/atomic_file.h"
-#include "tests/treatment_desks.h"
+#include "paint/canvas/appearance.h"
+#include "surface/file/atomic_file.h"
+#include "tests/support/treatment_desks.h"
 
 namespace tangi {
 namespace {

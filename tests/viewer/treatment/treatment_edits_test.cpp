@@ -1,8 +1,8 @@
-// viewer_treatment_edits_test.cpp: the desk of treatments: steps that are undone, corrections that are not in
+// treatment_edits_test.cpp: the desk of treatments: steps that are undone, corrections that are not in
 // the log, and what is said of them.
 #include <gmock/gmock.h>
 
-#include "treatment_desks.h"
+#include "tests/support/treatment_desks.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// viewer_treatment_match_test.cpp: recipes beside the window, from the paints and by the pairs that the user
+// treatment_match_test.cpp: recipes beside the window, from the paints and by the pairs that the user
 // has.
 #include <gmock/gmock.h>
 
-#include "paint/retouch/pigment_pairs.h"
-#include "tests/treatment_desks.h"
+#include "retouch/colour_match/pigment_pairs.h"
+#include "tests/support/treatment_desks.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// viewer_treatment_strokes_test.cpp: what is painted by hand on a treatment can be painted again from what
+// treatment_strokes_test.cpp: what is painted by hand on a treatment can be painted again from what
 // its steps keep.
 #include <gmock/gmock.h>
 
-#include "paint/retouch/treatment_strokes.h"
-#include "tests/treatment_desks.h"
+#include "retouch/treatment/treatment_strokes.h"
+#include "tests/support/treatment_desks.h"
 
 namespace tangi {
 namespace {

@@ -1,14 +1,14 @@
-// viewer_film_test.cpp: films of pictures: what is stored can be seen again, and is there whole or not at
+// video_writer_test.cpp: films of pictures: what is stored can be seen again, and is there whole or not at
 // all.
-#include "viewer/film.h"
+#include "viewer/video/video_writer.h"
 
 #include <gmock/gmock.h>
 #include <opencv2/videoio.hpp>
 
-#include "test_support.h"
-#include "viewer/recorder.h"
-#include "viewer/sweep.h"
-#include "viewer/video_file.h"
+#include "tests/support/test_support.h"
+#include "viewer/video/ffmpeg_writer_file.h"
+#include "viewer/video/light_sweep.h"
+#include "viewer/video/video_recorder.h"
 
 namespace tangi {
 namespace {

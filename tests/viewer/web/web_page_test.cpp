@@ -1,12 +1,12 @@
-// viewer_web_page_test.cpp: the published page shows what the reference renderer computes, and needs nothing
+// web_page_test.cpp: the published page shows what the reference renderer computes, and needs nothing
 // but itself.
-#include "viewer/web_page.h"
+#include "viewer/web/web_page.h"
 
-#include "browser.h"
-#include "surface/atomic_file.h"
-#include "surface/relight.h"
-#include "viewer/view.h"
-#include "viewer_support.h"
+#include "surface/file/atomic_file.h"
+#include "surface/render/relight.h"
+#include "tests/programs/support/browser.h"
+#include "tests/support/viewer_support.h"
+#include "viewer/render/view.h"
 
 namespace tangi {
 namespace {

@@ -1,9 +1,9 @@
-// viewer_web_tiles_test.cpp: what a page unpacks is what was packed.
-#include "viewer/web_tiles.h"
+// web_tiles_test.cpp: what a page unpacks is what was packed.
+#include "viewer/web/web_tiles.h"
 
 #include <zlib.h>
 
-#include "viewer_support.h"
+#include "tests/support/viewer_support.h"
 
 namespace tangi {
 namespace {

@@ -1,4 +1,4 @@
-// drawing.js: the painting drawn by WebGL 2 with the window's shaders, as viewer/renderer.cpp does.
+// drawing.js: the painting drawn by WebGL 2 with the window's shaders, as viewer/render/renderer.cpp does.
 
 const header = `#version 300 es
 precision highp float;

@@ -1,4 +1,4 @@
-// placement.js: where the painting lies in space, and the light: as viewer/view.cpp and tilt.cpp have it.
+// placement.js: where the painting lies in space, and the light: as viewer/render/view.cpp and tilt.cpp have it.
 // Matrices are 3 x 3, column by column. Screen: device pixels from its upper left corner. Painting: pixels, whole
 // numbers are centres.
 const degree = Math.PI / 180, eyeHeights = 3, fitMargin = 0.95, lowestLight = 2, mostTilt = 75, leastZoom = 1 / 1024, mostZoom = 64;

@@ -1,5 +1,5 @@
 // tiles.js: the painting's texels on the graphics device, as far as they are seen: fetched, unpacked
-// (viewer/web_tiles.h), kept in the layers of one texture of bounded size.
+// (viewer/web/web_tiles.h), kept in the layers of one texture of bounded size.
 
 // Parts of the page: inside it, or scripts beside it that call this.
 const arriving = new Map();

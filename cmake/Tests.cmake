@@ -1,0 +1,113 @@
+# Tests.cmake: tangi_tests(), which makes programs of tests and tells ctest of them.
+
+# What the sanitizers leave out: half a minute and more each there, and shorter tests reach the same code.
+set(TP_LONG_TESTS
+    "AForeignPhotograph." "AreaSuggestion.DoesNotDepend" "AreaSuggestion.FindsNothing" "BallCalibration.Names"
+    "BallFocal.NumbersThatContradict" "BallFocal.OfOneBallAside" "DamageSuggestion.DoesNotDepend"
+    "DamageSuggestion.TellsVarnish" "ExchangedLights." "FitExposure." "FitPainting.BandsAreInvisible"
+    "FitPainting.DoesNotDepend" "FitPainting.FindsHow" "FitPainting.FindsTheColour" "FitPainting.HeldOutPhotographs"
+    "FitPainting.LeavesLobes" "FitPainting.MirroredPhotographs" "FitPainting.RecoversAGlossyPainting"
+    "FitPainting.Reports" "FitPainting.Subtracts" "FitPainting.TakesLobes" "FitPainting.TheSecondPassOfMirrored"
+    "FitPainting.WithNearUnequal" "FitPasses.Heavy" "Height.LongWaves" "HeightCoverage." "Landscape." "LawChoice."
+    "LightBeams." "LightCalibration." "LightDirections." "LightPixels." "MirrorBall.IsFollowed" "MirrorBall.IsMissing"
+    "MirrorBall.IsNoneWhoseSpots" "MirrorBall.IsOfTheSize" "MirrorBall.LeavesOut" "MirrorBalls." "OddLightsVote."
+    "RegisterStack.Fails" "RegisterStack.IsTheSame" "RegisterStack.NamesAPhotograph" "RegisterStack.RecoversShiftsOfMany"
+    "RegisterStack.StatedErrors" "StillLife.IsTheSame" "TransferEstimate.FindsAGamma" "TransferEstimate.FindsATone"
+    "Uncalibrated.NearLights")
+
+# What .ci/run leaves out: measurements on whole stacks and recoveries that take a minute and more, of which shorter tests
+# reach the same code. script/test runs them all.
+set(TP_LONG_FILES
+    capture/registration/registration_data_test.cpp
+    capture/spheres/ball_data_test.cpp
+    fit/calibration/light_beams_test.cpp
+    fit/calibration/light_directions_test.cpp
+    fit/calibration/light_pixels_test.cpp
+    fit/material/anisotropy_estimate_test.cpp
+    fit/pipeline/data_test.cpp
+    fit/pipeline/spheres_test.cpp
+    programs/cli/large_stacks_test.cpp
+    robustness/further_faults_test.cpp)
+
+# With the sanitizers tests compile in less than half the time without optimisation. What they share with the rooms,
+# templates of GLM, Eigen and OpenCV, is linked as they compile it, though: these would take twice as long to run.
+set(TP_OPTIMISED_TESTS capture chart compare datasets fit)
+
+# tangi_register(<program> <file>): what ctest should know of a file of tests, by its path below tests/: one entry for
+# all of it, since loading the libraries takes a program longer than most tests take. Suites named Data* need data that
+# is not in the repository: they are an entry of their own with the label `data` (ctest -LE data leaves them out).
+function(tangi_register program file)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    file(READ ${file} text)
+    string(REGEX MATCHALL "\nTEST(_[FP])?\\([A-Za-z0-9_]+,[ \n]*[A-Za-z0-9_]+\\)" tests "${text}")
+    set(plain "")
+    set(data "")
+    foreach(test IN LISTS tests)
+        string(REGEX REPLACE "\nTEST[^(]*\\(([A-Za-z0-9_]+),[ \n]*([A-Za-z0-9_]+)\\)" "\\1.\\2" name "${test}")
+        set(filter "${name}")
+        if(test MATCHES "TEST_P")
+            set(filter "*/${name}/*")
+        endif()
+        set(is_long OFF)
+        foreach(long IN LISTS TP_LONG_TESTS)
+            string(FIND "${name}" "${long}" place)
+            if(place EQUAL 0)
+                set(is_long ON)
+            endif()
+        endforeach()
+        if(name MATCHES "^Data")
+            string(APPEND data ":${filter}")
+        elseif(NOT (TP_SANITIZE AND is_long))
+            string(APPEND plain ":${filter}")
+        endif()
+    endforeach()
+    file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+    string(REGEX REPLACE "_test.cpp$" "" entry "${path}")
+    set(length "")
+    if(path IN_LIST TP_LONG_FILES)
+        set(length long)
+    endif()
+    if(plain)
+        add_test(NAME ${entry} COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${plain})
+        set_tests_properties(${entry} PROPERTIES LABELS "${length}"
+                             ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp")
+    endif()
+    if(data)
+        add_test(NAME ${entry}_data COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${data})
+        set_tests_properties(${entry}_data PROPERTIES LABELS "data;${length}" TIMEOUT 3600
+                             SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    endif()
+endfunction()
+
+# tangi_tests(<program> LINK ... FILES ... [EACH ...]): <program>_tests of files of this folder. EACH: every test is an
+# entry of ctest, with these properties.
+function(tangi_tests program)
+    cmake_parse_arguments(ARG "" "" "LINK;FILES;EACH" ${ARGN})
+    add_executable(${program}_tests ${ARG_FILES})
+    # Tests are compiled often and run once.
+    set(optimisation -O1)
+    if(TP_SANITIZE AND NOT program IN_LIST TP_OPTIMISED_TESTS)
+        set(optimisation -O0)
+    endif()
+    target_compile_options(${program}_tests PRIVATE $<$<CONFIG:RelWithDebInfo>:${optimisation}$<SEMICOLON>-g1>)
+    target_link_libraries(${program}_tests PRIVATE ${ARG_LINK} GTest::gtest_main GTest::gmock)
+    if(TP_SANITIZE)
+        # -O0 and a precompiled header make GCC 12 take __OPTIMIZE__ for defined, and Eigen does not compile.
+    elseif(program STREQUAL layers)  # the first to be made
+        target_precompile_headers(layers_tests PRIVATE ${TP_PRECOMPILED} <fstream> <gmock/gmock.h> <gtest/gtest.h>)
+    else()
+        target_precompile_headers(${program}_tests REUSE_FROM layers_tests)
+    endif()
+    target_compile_definitions(${program}_tests PRIVATE TP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    if(ARG_EACH)
+        gtest_discover_tests(${program}_tests TEST_PREFIX ${program}/ TEST_FILTER "-Data*" DISCOVERY_TIMEOUT 60
+                             PROPERTIES ${ARG_EACH})
+        gtest_discover_tests(${program}_tests TEST_PREFIX ${program}/ TEST_FILTER "Data*" TEST_LIST ${program}_data
+                             DISCOVERY_TIMEOUT 60 PROPERTIES ${ARG_EACH} TIMEOUT 900 LABELS data
+                             SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+    else()
+        foreach(file IN LISTS ARG_FILES)
+            tangi_register(${program} ${file})
+        endforeach()
+    endif()
+endfunction()
