@@ -1,7 +1,7 @@
 // bounds_bench.cpp: what bounds the prediction of held-out photographs, as a table: how much of the error is
-// their lamps, which no photograph tells, and how much is the surface.
+// their lights, which no photograph tells, and how much is the surface.
 //   bounds_bench PAINTING.exr STACK
-// PAINTING was fitted from STACK with --hold-out. Each held-out photograph is relit with its lamp as
+// PAINTING was fitted from STACK with --hold-out. Each held-out photograph is relit with its light as
 // predicted, with the strength that suits it best, and with strength and direction that suit it best. The
 // latter two look at the photograph: they are bounds, no results.
 #include <fmt/format.h>
@@ -21,7 +21,7 @@
 namespace tangi {
 namespace {
 
-using Change = std::array<double, 3>;  // of a lamp: ln gain, and turns about two axes across it [rad]
+using Change = std::array<double, 3>;  // of a light: ln gain, and turns about two axes across it [rad]
 
 // Compass search (Hooke & Jeeves 1961) over the first `free` parameters: each evaluation is a whole picture,
 // and there is nothing to differentiate.
@@ -74,7 +74,7 @@ Image<Rgb> read_photo(const Stack& one, PixelMask& mask) {
 
 void run(const char* painting, const char* folder) {
     const Surface surface = read_painting(painting);
-    const FaithfulResidual residual = read_faithful(painting, surface);
+    const RelightingResidual residual = read_residual(painting, surface);
     const Stack stack = open_stack(folder);
     const bool modes[] = {false, true};
     std::array<double, 6> mean{};
@@ -94,11 +94,12 @@ void run(const char* painting, const char* folder) {
         fmt::print("| {} | {:.0f}° ", photo.light.name,
                    std::asin(static_cast<double>(photo.light.direction.z)) * 180 / M_PI);
         std::size_t column = 0;
-        for (const bool faithful : modes) {
+        for (const bool with_residual : modes) {
             const auto psnr = [&](const Change& change) {
-                const Light lamp = changed(light, change);
-                Image<Rgb> relit = relight(surface, {&lamp, 1}, {.cast_shadows = true});
-                if (faithful && !residual.empty()) add_residual(residual, surface, {&lamp, 1}, {}, relit);
+                const Light light = changed(light, change);
+                Image<Rgb> relit = relight(surface, {&light, 1}, {.cast_shadows = true});
+                if (with_residual && !residual.empty())
+                    add_residual(residual, surface, {&light, 1}, {}, relit);
                 return psnr_db(taken, as_photographed(relit, surface.photography), mask);
             };
             for (const double db : {psnr({}), psnr(best_change(psnr, 1)), psnr(best_change(psnr, 3))}) {

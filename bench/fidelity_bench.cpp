@@ -1,5 +1,5 @@
 // fidelity_bench.cpp: how well held-out photographs are predicted: PTM and HSH by least squares a channel in
-// floats, the Ward fit, and the Ward fit in faithful mode, as a table.
+// floats, the Ward fit, and the Ward fit in the relighting residual, as a table.
 //   fidelity_bench [--hold-out WHICH] STACK[=TEST]...
 // Of a STACK alone, the photographs WHICH (default 4:8: 4, 12, 20, …) are held out; with =TEST all of STACK
 // are fitted, and those of the folder TEST predicted.
@@ -62,13 +62,13 @@ void print_row(const std::string& argument, const std::string& which) {
     const FitResult fit = fit_painting(stack);
     const double fit_s = seconds_since(start);
     start = Clock::now();
-    const FaithfulFit faithful = fit_faithful(fit.surface, stack);
-    const double faithful_s = seconds_since(start);
-    const CompareReport report = compare(fit.surface, test, {}, {}, {}, faithful.residual);
+    const ResidualFit residual = fit_residual(fit.surface, stack);
+    const double residual_s = seconds_since(start);
+    const CompareReport report = compare(fit.surface, test, {}, {}, {}, residual.residual);
     const double ward = report.all.psnr_db;
     std::printf("| %s | %s | %s | %.2f | %.2f | %d | %.0f | %.0f |\n", argument.c_str(), ptm.c_str(),
-                hsh.c_str(), ward, report.all.faithful_psnr_db.value_or(ward),
-                faithful.report.terms + 2 * faithful.report.colour_terms, fit_s, faithful_s);
+                hsh.c_str(), ward, report.all.residual_psnr_db.value_or(ward),
+                residual.report.terms + 2 * residual.report.colour_terms, fit_s, residual_s);
     std::fflush(stdout);
 }
 

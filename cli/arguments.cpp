@@ -60,7 +60,7 @@ void DevelopArguments::add_to(Flags& flags) {
     flags.option("--flat", flat,
                  "flat field to divide by: a picture of an even white surface, or a folder of such");
     flags.option("--ambient", ambient,
-                 "light of the room to subtract: a picture taken with the lamp off, or a folder of such");
+                 "light of the room to subtract: a picture taken with the light off, or a folder of such");
     flags.option(
         "--brackets", brackets,
         "merge exposures of the same light: auto, for photographs NAME_1, NAME_2 … of the light NAME, or a "
@@ -120,15 +120,21 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
         "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
     flags.flag(
         "--lights-mm", lights_mm,
-        "the vectors of the .lp are the lamps' positions in mm from the picture's centre (x right, y up, "
+        "the vectors of the .lp are the lights' positions in mm from the picture's centre (x right, y up, "
         "z towards the camera), not directions; --capture tells the scale");
-    flags.flag("--lights-flip-y", lights_flip_y,
-               "y of the .lp points down, as rows of a picture do: take it the other way");
-    flags.flag("--lights-flip-x", lights_flip_x, "x of the .lp points to the left: take it the other way");
     flags
-        .option("--lights-turn", lights_turn_deg,
-                "turn the vectors of the .lp by so many degrees, counter-clockwise as the camera sees it, "
-                "after flips: where the camera was turned against the lamps")
+        .option("--light-axes", light_axes,
+                "how the axes of the .lp point, x right and y up: x,-y,z where y points down, as rows of a "
+                "picture do; y,x,z where they are exchanged")
+        .check([](const std::string& text) {
+            return light_axes_of(text)
+                       ? ""
+                       : text + " is none of x,y,z with signs, x and y in either order, as x,-y,z";
+        });
+    flags
+        .option("--light-rotation-deg", light_rotation_deg,
+                "rotate the vectors of the .lp by so many degrees, counter-clockwise as the camera sees it: "
+                "where the camera was turned against the lights")
         .check(within(-360, 360));
     flags.option(
         "--capture", capture,
@@ -186,7 +192,7 @@ StackOptions PhotosArguments::options() const {
 }
 
 UsableOptions PhotosArguments::usable_options() const {
-    return {.finds_mask = mask.empty(), .lights_flip = flips()};
+    return {.finds_mask = mask.empty(), .light_axes = axes()};
 }
 
 Stack PhotosArguments::open_any() const {
@@ -223,12 +229,17 @@ std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) c
     return files;
 }
 
+LightAxes PhotosArguments::axes() const {
+    LightAxes axes = light_axes_of(light_axes).value_or(LightAxes{});
+    axes.rotation_deg += light_rotation_deg;
+    return axes;
+}
+
 nlohmann::json PhotosArguments::as_json() const {
     return {{"lights", lights},
             {"lights_mm", lights_mm},
-            {"lights_flip_x", lights_flip_x},
-            {"lights_flip_y", lights_flip_y},
-            {"lights_turn_deg", lights_turn_deg},
+            {"light_axes", light_axes},
+            {"light_rotation_deg", light_rotation_deg},
             {"capture", capture},
             {"transfer", transfer},
             {"crop", crop},

@@ -27,8 +27,9 @@ struct DevelopArguments {
 // Where photographs are and how to read them.
 struct PhotosArguments {
     std::string folder, lights, capture, transfer = "auto", crop, mask, hold_out, registration = "auto";
-    bool lights_mm = false, lights_flip_x = false, lights_flip_y = false;
-    double lights_turn_deg = 0;
+    std::string light_axes = "x,y,z";
+    bool lights_mm = false;
+    double light_rotation_deg = 0;
     DevelopArguments develop;
 
     void add_to(Flags& flags, bool for_fit);
@@ -37,7 +38,7 @@ struct PhotosArguments {
     UsableStack open() const;
     // The same, however many cannot be used.
     Stack open_any() const;
-    LightFlips flips() const { return {lights_flip_x, lights_flip_y, lights_turn_deg}; }
+    LightAxes axes() const;
     // The files that a command with these flags reads: photographs, lights, mask, frames, brackets.
     std::vector<std::filesystem::path> inputs(const Stack& stack) const;
     // As they were given, for provenance.
@@ -73,7 +74,7 @@ std::vector<double> numbers_in(const std::string& text, const std::string& flag,
 // "1,0,0.5" as a unit vector, whatever its length. Throws UsageError naming the flag: no three numbers, or
 // all zero.
 Vec3 parse_direction(const std::string& text, const std::string& flag);
-// The same, of a lamp that is in front of the painting: z > 0.
+// The same, of a light that is in front of the painting: z > 0.
 Vec3 parse_direction_in_front(const std::string& text, const std::string& flag);
 Illuminant parse_illuminant(const std::string& word, const std::string& flag);
 

@@ -19,6 +19,7 @@
 
 #include "cli/command.h"
 #include "cli/message_length.h"
+#include "cli/renamed_flags.h"
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
 #include "surface/base/memory_error.h"
@@ -244,8 +245,12 @@ int main(int argc, char** argv) {
     help->add_option("COMMAND", topic, "the command to explain");
 
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return no_command(argv[1]);
+    RenamedFlags typed = with_present_flags(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
+    for (const std::string& text : typed.notes) write_stderr("tangipaint: note: " + printable(text) + "\n");
     try {
-        app.parse(argc, argv);
+        std::vector<std::string> words = typed.words;
+        std::reverse(words.begin(), words.end());  // as the parser takes them
+        app.parse(words);
     } catch (const CLI::ParseError& call) {  // for help and version too
         std::ostringstream out, err;
         const int code = app.exit(call, out, err);

@@ -2,15 +2,15 @@
 
 # What the sanitizers leave out: half a minute and more each there, and shorter tests reach the same code.
 set(TP_LONG_TESTS
-    "AForeignPhotograph." "AreaSuggestion.DoesNotDepend" "AreaSuggestion.FindsNothing" "BallCalibration.Names"
-    "BallFocal.NumbersThatContradict" "BallFocal.OfOneBallAside" "DamageSuggestion.DoesNotDepend"
+    "AForeignPhotograph." "AreaSuggestion.DoesNotDepend" "AreaSuggestion.FindsNothing" "SphereCalibration.Names"
+    "SphereFocal.NumbersThatContradict" "SphereFocal.OfOneSphereAside" "DamageSuggestion.DoesNotDepend"
     "DamageSuggestion.TellsVarnish" "ExchangedLights." "FitExposure." "FitPainting.BandsAreInvisible"
     "FitPainting.DoesNotDepend" "FitPainting.FindsHow" "FitPainting.FindsTheColour" "FitPainting.HeldOutPhotographs"
     "FitPainting.LeavesLobes" "FitPainting.MirroredPhotographs" "FitPainting.RecoversAGlossyPainting"
     "FitPainting.Reports" "FitPainting.Subtracts" "FitPainting.TakesLobes" "FitPainting.TheSecondPassOfMirrored"
-    "FitPainting.WithNearUnequal" "FitPasses.Heavy" "Height.LongWaves" "HeightCoverage." "Landscape." "LawChoice."
-    "LightBeams." "LightCalibration." "LightDirections." "LightPixels." "MirrorBall.IsFollowed" "MirrorBall.IsMissing"
-    "MirrorBall.IsNoneWhoseSpots" "MirrorBall.IsOfTheSize" "MirrorBall.LeavesOut" "MirrorBalls." "OddLightsVote."
+    "FitPainting.WithNearUnequal" "FitPasses.Heavy" "Height.LongWaves" "HeightCoverage." "Landscape." "ReflectanceModelSelection."
+    "LightBeams." "LightCalibration." "LightDirections." "LightPixels." "MirrorSphere.IsFollowed" "MirrorSphere.IsMissing"
+    "MirrorSphere.IsNoneWhoseSpots" "MirrorSphere.IsOfTheSize" "MirrorSphere.LeavesOut" "MirrorSpheres." "LightOutlierVote."
     "RegisterStack.Fails" "RegisterStack.IsTheSame" "RegisterStack.NamesAPhotograph" "RegisterStack.RecoversShiftsOfMany"
     "RegisterStack.StatedErrors" "StillLife.IsTheSame" "TransferEstimate.FindsAGamma" "TransferEstimate.FindsATone"
     "Uncalibrated.NearLights")
@@ -19,7 +19,7 @@ set(TP_LONG_TESTS
 # reach the same code. script/test runs them all.
 set(TP_LONG_FILES
     capture/registration/registration_data_test.cpp
-    capture/spheres/ball_data_test.cpp
+    capture/spheres/sphere_data_test.cpp
     fit/calibration/light_beams_test.cpp
     fit/calibration/light_directions_test.cpp
     fit/calibration/light_pixels_test.cpp
@@ -99,6 +99,7 @@ function(tangi_tests program)
         target_precompile_headers(${program}_tests REUSE_FROM layers_tests)
     endif()
     target_compile_definitions(${program}_tests PRIVATE TP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    set_target_properties(${program}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
     if(ARG_EACH)
         gtest_discover_tests(${program}_tests TEST_PREFIX ${program}/ TEST_FILTER "-Data*" DISCOVERY_TIMEOUT 60
                              PROPERTIES ${ARG_EACH})

@@ -68,7 +68,7 @@ void apply(const Stroke& stroke, float x_mm, float y_mm, PaintSample& sample) {
                      opacity * ((1 - streak) * stroke.first + streak * stroke.second);
     sample.specular = mix(sample.specular, stroke.specular, opacity);
     sample.roughness = mix(sample.roughness, stroke.roughness * (1 - 0.15f * bristle), opacity);
-    sample.lobe_colour += opacity * (Rgb(1) - sample.lobe_colour);
+    sample.specular_colour += opacity * (Rgb(1) - sample.specular_colour);
 }
 
 StrokeGrid::StrokeGrid(std::vector<Stroke> strokes, float half_width_mm, float half_height_mm)

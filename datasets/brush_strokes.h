@@ -19,7 +19,7 @@ struct PaintSample {
     Rgb diffuse{1};
     float specular = 0;
     float roughness = 0.6f;
-    Rgb lobe_colour{1};
+    Rgb specular_colour{1};
 };
 
 struct Stroke {

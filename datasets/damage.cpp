@@ -13,8 +13,8 @@ void blend(PaintSample& sample, const Rgb& diffuse, float specular, float roughn
     sample.diffuse += part * (diffuse - sample.diffuse);
     sample.specular = mix(sample.specular, specular, part);
     sample.roughness = mix(sample.roughness, roughness, part);
-    sample.lobe_colour +=
-        part * (Rgb(1) - sample.lobe_colour);  // dirt, ground, varnish and paint shine white
+    sample.specular_colour +=
+        part * (Rgb(1) - sample.specular_colour);  // dirt, ground, varnish and paint shine white
 }
 
 }  // namespace

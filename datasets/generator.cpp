@@ -113,9 +113,9 @@ Vec3 disturbed(const Vec3& direction, double rms_deg, Seed seed) {
     return glm::normalize(turned);
 }
 
-// The GGX lobe seen from straight ahead where it is drawn out, in the frame of
+// The GGX lobe seen from straight ahead where it is anisotropic, in the frame of
 // surface/reflectance/anisotropy.h.
-float drawn_out_lobe(float f0, float alpha, const LobeAxes& axes, const Vec3& n, const Vec3& light) {
+float anisotropic_lobe(float f0, float alpha, const LobeAxes& axes, const Vec3& n, const Vec3& light) {
     const Vec3 v(0, 0, 1), h = glm::normalize(light + v);
     if (!(glm::dot(n, light) > 0)) return 0;
     const auto in_frame = [&](const Vec3& w) {
@@ -125,7 +125,7 @@ float drawn_out_lobe(float f0, float alpha, const LobeAxes& axes, const Vec3& n,
         return Vec3(angles.h_t, angles.h_b, angles.h_n);
     };
     const float across = axes.roughness_v, along = alpha * alpha / across;
-    return drawn_out_ggx(along, across, in_frame(light), in_frame(v), in_frame(h)) *
+    return anisotropic_ggx(along, across, in_frame(light), in_frame(v), in_frame(h)) *
            schlick_fresnel(f0, glm::dot(light, h));
 }
 
@@ -139,14 +139,14 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, Reflectance ref
     if (reflectance == Reflectance::lambert) return s.diffuse(x, y) * n_l;
     const auto lobe = [&](float f0) {
         if (s.lobe_axes.empty()) return ggx_lobe(f0, s.roughness(x, y), n, light, Vec3(0, 0, 1));
-        return drawn_out_lobe(f0, s.roughness(x, y), s.lobe_axes(x, y), n, light);
+        return anisotropic_lobe(f0, s.roughness(x, y), s.lobe_axes(x, y), n, light);
     };
     const float f0 = s.specular(x, y);
     Rgb gloss(0);
-    if (s.lobe_colour.empty() || s.lobe_colour(x, y) == Rgb(1)) {
+    if (s.specular_colour.empty() || s.specular_colour(x, y) == Rgb(1)) {
         gloss = Rgb(lobe(f0));
     } else {
-        const Rgb& colour = s.lobe_colour(x, y);
+        const Rgb& colour = s.specular_colour(x, y);
         gloss = {lobe(f0 * colour.r), lobe(f0 * colour.g), lobe(f0 * colour.b)};
     }
     return (s.diffuse(x, y) + static_cast<float>(kPi) * gloss) * n_l;
@@ -195,7 +195,7 @@ void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photo
         write_map(folder / "roughness_v.exr", across);
         write_map(folder / "tangent.exr", tangent);
     }
-    if (!truth.lobe_colour.empty()) write_picture(folder / "lobe.exr", truth.lobe_colour, Transfer{});
+    if (!truth.specular_colour.empty()) write_picture(folder / "lobe.exr", truth.specular_colour, Transfer{});
     write_mask(folder / "loss.png", truth.loss);
     write_mask(folder / "craquelure.png", truth.craquelure);
     write_mask(folder / "varnish.png", truth.varnish);
@@ -296,7 +296,7 @@ Photography photography_of(const PaintingTruth& truth, const GeneratorOptions& o
     Photography photography;  // without a model of gains: they are drawn one by one
     photography.transfer = o.transfer;
     photography.white_level = o.white_level;
-    photography.rig.lamp_radius_deg = static_cast<float>(o.light_radius_deg);
+    photography.rig.light_radius_deg = static_cast<float>(o.light_radius_deg);
     const auto add = [&](const std::string& stem, int i, const Vec3& l, bool fitted) {
         const std::string name = fmt::format("{}_{:03}{}", stem, i, extension_of(o.format));
         const float width_mm = static_cast<float>(truth.width() * truth.mm_per_pixel);
@@ -324,11 +324,11 @@ double beam_part(const Light& light, const Vec3& point_mm, double width_mm, cons
     for (const char c : light.name) seed = hash(seed, static_cast<std::uint64_t>(c));
     const auto [x, y] = normal_pair(seed);
     const double reach = o.aim_error * width_mm;
-    const glm::dvec3 lamp(*light.position_mm),
-        axis = glm::normalize(lamp - glm::dvec3(x * reach, y * reach, 0));
+    const glm::dvec3 from(*light.position_mm),
+        axis = glm::normalize(from - glm::dvec3(x * reach, y * reach, 0));
     const double power = std::log(0.5) / std::log(std::cos(o.beam_deg * kDegree));
     const auto strength = [&](const glm::dvec3& to) {
-        return std::pow(std::max(glm::dot(axis, glm::normalize(lamp - to)), 1e-3), power);
+        return std::pow(std::max(glm::dot(axis, glm::normalize(from - to)), 1e-3), power);
     };
     return strength(glm::dvec3(point_mm)) / strength(glm::dvec3(0));
 }

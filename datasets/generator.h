@@ -27,7 +27,7 @@ enum class Reflectance {
           // is the albedo that a photograph without highlights shows
     ward_bounded,  // f = rho_d / pi + rho_s * bounded Ward lobe (surface/reflectance/ward.h), rho_s =
                    // specular: what the fit assumes
-    lambert,  // f = rho_d / pi
+    lambert,       // f = rho_d / pi
 };
 enum class PhotoFormat { png16, png8, jpg, exr, tif };
 
@@ -49,10 +49,10 @@ struct GeneratorOptions {
     std::optional<double> distance = {};  // [picture widths] of near lights from the centre; empty: distant
     double gain_min = 1;                  // [1] strength of the lights, log-uniform between
     double gain_max = 1;                  // [1]
-    // [deg] from its axis at which a near lamp's beam is half as strong, as a power of the cosine; 0: even
+    // [deg] from its axis at which a near light's beam is half as strong, as a power of the cosine; 0: even
     double beam_deg = 0;
     double aim_error =
-        0;  // [picture widths] rms distance, in x and y each, of where lamps are aimed from the centre
+        0;  // [picture widths] rms distance, in x and y each, of where lights are aimed from the centre
     double nominal_direction_error_deg = 0;  // [deg] rms angle between lights.lp and the true directions
 
     Reflectance reflectance = Reflectance::ggx;
@@ -83,10 +83,11 @@ struct GeneratorOptions {
         visit(FieldInfo{"gain_min", 1e-3, 1e3, "1", "weakest light"}, self.gain_min);
         visit(FieldInfo{"gain_max", 1e-3, 1e3, "1", "strongest light"}, self.gain_max);
         visit(FieldInfo{"beam_deg", 0, 60, "deg",
-                        "angle from its axis at which a near lamp is half as strong (0 = even)"},
+                        "angle from its axis at which a near light is half as strong (0 = even)"},
               self.beam_deg);
-        visit(FieldInfo{"aim_error", 0, 10, "picture widths", "how far from the centre lamps are aimed, rms"},
-              self.aim_error);
+        visit(
+            FieldInfo{"aim_error", 0, 10, "picture widths", "how far from the centre lights are aimed, rms"},
+            self.aim_error);
         visit(FieldInfo{"nominal_direction_error_deg", 0, 30, "deg", "error of the directions in lights.lp"},
               self.nominal_direction_error_deg);
         visit(FieldInfo{"cast_shadows", 0, 1, "", "shadows that the relief casts"}, self.cast_shadows);
@@ -118,8 +119,8 @@ nlohmann::json to_json(const GeneratorOptions& options);
 // level.
 Photography photography_of(const PaintingTruth& truth, const GeneratorOptions& options);
 
-// [1] Irradiance at a point of the picture over that in its centre, as far as the lamp's beam makes it. Where
-// it is aimed is a matter of chance, by the seed and the light's name. 1 for distant lights.
+// [1] Irradiance at a point of the picture over that in its centre, as far as the light's beam makes it.
+// Where it is aimed is a matter of chance, by the seed and the light's name. 1 for distant lights.
 double beam_part(const Light& light, const Vec3& point_mm, double width_mm, const GeneratorOptions& options);
 
 // One photograph as linear light, without a sensor. Pure, and linear in light.gain where ambient is 0.

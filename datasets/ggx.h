@@ -34,9 +34,9 @@ inline float schlick_fresnel(float f0, float l_h) {
     return f0 + (1 - f0) * away * away * away * away * away;
 }
 
-// The same where the distribution is drawn out (Heitz 2014, eq. 85 and 86): D G / (4 n.l n.v) [1/sr], vectors
-// in a frame of tangent, bitangent and normal, all above the surface; h the normalised half vector.
-inline float drawn_out_ggx(float alpha_x, float alpha_y, const Vec3& l, const Vec3& v, const Vec3& h) {
+// The same where the distribution is anisotropic (Heitz 2014, eq. 85 and 86): D G / (4 n.l n.v) [1/sr],
+// vectors in a frame of tangent, bitangent and normal, all above the surface; h the normalised half vector.
+inline float anisotropic_ggx(float alpha_x, float alpha_y, const Vec3& l, const Vec3& v, const Vec3& h) {
     const float x = h.x / alpha_x, y = h.y / alpha_y, base = x * x + y * y + h.z * h.z;
     const float distribution = 1 / (std::numbers::pi_v<float> * alpha_x * alpha_y * base * base);
     const auto stretched = [&](const Vec3& w) {

@@ -67,7 +67,7 @@ void gild(const PaintingOptions& o, float level_mm, float x_mm, float y_mm, Pain
     sample.diffuse += cover * (worn * 0.1f * kGold - sample.diffuse);
     sample.specular = mix(sample.specular, 0.30f, cover);
     sample.roughness = mix(sample.roughness, 0.30f * worn, cover);
-    sample.lobe_colour += cover * (kGold - sample.lobe_colour);
+    sample.specular_colour += cover * (kGold - sample.specular_colour);
 }
 
 // The painting as a function of a point.
@@ -125,7 +125,7 @@ public:
           painter_(options),
           truth_(o_.width, o_.height, o_.mm_per_pixel),
           fine_height_mm_(o_.width * n_ + 2, o_.height * n_ + 2) {
-        if (o_.gilding) truth_.lobe_colour = Image<Rgb>(o_.width, o_.height);
+        if (o_.gilding) truth_.specular_colour = Image<Rgb>(o_.width, o_.height);
         if (o_.gilding && o_.brushed > 0) truth_.lobe_axes = Image<LobeAxes>(o_.width, o_.height);
     }
 
@@ -186,7 +186,7 @@ private:
                 sum.diffuse += point.paint.diffuse;
                 sum.specular += point.paint.specular;
                 sum.roughness += point.paint.roughness;
-                coloured += point.paint.specular * point.paint.lobe_colour;
+                coloured += point.paint.specular * point.paint.specular_colour;
                 for (const auto kind : kDamageKinds) damage.*kind += point.damage.*kind;
             }
         const float part = 1 / static_cast<float>(n_ * n_);
@@ -194,7 +194,7 @@ private:
         truth_.diffuse(x, y) = part * sum.diffuse;
         truth_.specular(x, y) = part * sum.specular;
         truth_.roughness(x, y) = part * sum.roughness;
-        if (o_.gilding) truth_.lobe_colour(x, y) = coloured / sum.specular;
+        if (o_.gilding) truth_.specular_colour(x, y) = coloured / sum.specular;
         if (!truth_.lobe_axes.empty()) truth_.lobe_axes(x, y) = axes_at(x, y);
         const float loss = part * damage.loss, crack = part * damage.crack;
         truth_.loss(x, y) = loss >= 0.5f;
@@ -209,9 +209,9 @@ private:
         truth_.valid(x, y) = !(loss > 0.01f && loss < 0.99f) && crack < 0.01f;
     }
 
-    // Grooves run along the border, so the lobe is wide across it; it is drawn out as far as there is gold.
+    // Grooves run along the border, so the lobe is wide across it; it is anisotropic as far as there is gold.
     LobeAxes axes_at(int x, int y) const {
-        const float gold = (1 - truth_.lobe_colour(x, y).b) / (1 - kGold.b);
+        const float gold = (1 - truth_.specular_colour(x, y).b) / (1 - kGold.b);
         const Border border = border_at(o_, x_mm(x * n_ + n_ / 2), y_mm(y * n_ + n_ / 2));
         const float stretch = static_cast<float>(o_.brushed) * std::clamp(gold, 0.0f, 1.0f);
         return axes_of({border.beside_mm > border.above_mm ? stretch : -stretch, 0}, truth_.roughness(x, y));
@@ -267,7 +267,7 @@ Surface surface_of(const PaintingTruth& truth) {
     surface.diffuse = truth.diffuse;
     surface.specular = truth.specular;
     surface.roughness = truth.roughness;
-    surface.lobe_colour = truth.lobe_colour;
+    surface.specular_colour = truth.specular_colour;
     surface.lobe_axes = truth.lobe_axes;
     surface.confidence = Image<float>(truth.width(), truth.height());
     for (std::size_t i = 0; i < truth.valid.size(); ++i)

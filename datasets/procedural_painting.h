@@ -90,8 +90,8 @@ struct PaintingTruth {
                    //     whose peak at normal incidence equals that of GGX with equal alpha
     Image<float>
         roughness;  // [1] alpha: rms slope (Ward), width of the GGX distribution (not its square root)
-    Image<Rgb> lobe_colour;     // [1] as in surface.h: of gold leaf; empty where there is none
-    Image<LobeAxes> lobe_axes;  // as in surface.h: of leaf that was rubbed; empty where there is none
+    Image<Rgb> specular_colour;  // [1] as in surface.h: of gold leaf; empty where there is none
+    Image<LobeAxes> lobe_axes;   // as in surface.h: of leaf that was rubbed; empty where there is none
     Image<unsigned char> loss, craquelure, varnish, retouch;
     Image<unsigned char> abrasion, flaking, stain, old_fill, overpaint;
     Image<unsigned char>

@@ -10,12 +10,12 @@ namespace {
 
 using namespace tangi;
 
-struct Desk {
+struct DocumentController {
     TestDir dir;
     FileKind kind;
     std::filesystem::path file;
 
-    Desk() {
+    DocumentController() {
         const char* name = std::getenv("TP_FUZZ_KIND");
         for (FileKind& one : file_kinds(dir))
             if (name && one.name == name) kind = std::move(one);
@@ -31,10 +31,11 @@ struct Desk {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const Desk* const desk = new Desk;  // libFuzzer leaves by _exit()
-    write_bytes(desk->file, std::string(reinterpret_cast<const char*>(data), size));
+    static const DocumentController* const controller =
+        new DocumentController;  // libFuzzer leaves by _exit()
+    write_bytes(controller->file, std::string(reinterpret_cast<const char*>(data), size));
     try {
-        desk->kind.read(desk->file);
+        controller->kind.read(controller->file);
     } catch (const Error&) {
     }
     return 0;

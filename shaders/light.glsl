@@ -1,6 +1,6 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/maps/light.cpp and relight.cpp.
 // LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
-// BEAMS: 1 where lamps light it unevenly by themselves;
+// BEAMS: 1 where lights light it unevenly by themselves;
 // SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/render/cast_shadows.cpp does, 3 horizons in the directions
 // of far lights, which are all the same: two directions of the map were mixed beforehand, once for all pixels.
 // Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.
@@ -14,12 +14,12 @@ uniform vec3 u_beam_curved[LIGHTS];  // [1/mm^2] x^2, x y, y^2
 #endif
 uniform mediump sampler3D u_horizon;  // [1] elevation of the horizon: value^2 * pi/2; x, y, azimuth
 #if SHADOWS == 3
-uniform highp sampler2DArray u_lamp_horizon;  // the same; x, y, light
+uniform highp sampler2DArray u_light_horizon;  // the same; x, y, light
 #endif
 
-vec4 light(int i) { return i == 0 ? v_lamp : u_light[i]; }
-vec3 gain(int i) { return i == 0 ? v_lamp_gain.xyz : u_gain[i]; }
-vec2 place(int i) { return i == 0 ? vec2(v_lamp_gain.w, v_rest.y) : u_place[i]; }
+vec4 light(int i) { return i == 0 ? v_light : u_light[i]; }
+vec3 gain(int i) { return i == 0 ? v_light_gain.xyz : u_gain[i]; }
+vec2 place(int i) { return i == 0 ? vec2(v_light_gain.w, v_rest.y) : u_place[i]; }
 
 struct Incoming {
     vec3 direction;  // [unit vector]
@@ -51,10 +51,10 @@ vec3 gain_at(int i, vec3 point) {
 }
 
 Incoming incoming(int i, vec3 point) {
-    vec4 lamp = light(i);
-    vec3 from = bent(lamp.xyz, point);
+    vec4 light = light(i);
+    vec3 from = bent(light.xyz, point);
 #if NEAR == 1
-    vec3 to_light = lamp.w == 0.0 ? from : from - point;
+    vec3 to_light = light.w == 0.0 ? from : from - point;
     float distance2 = dot(to_light, to_light);
     return Incoming(to_light * inversesqrt(distance2), gain_at(i, point) * (dot(from, from) / distance2));
 #else
@@ -92,7 +92,7 @@ float visibility(int i, vec2 at, float height, vec3 direction) {
 #if SHADOWS == 0
     return 1.0;
 #elif SHADOWS == 3
-    float root = texture(u_lamp_horizon, vec3((at + 0.5) * vec2(v_rest.w, v_lamp.w), float(i))).r;
+    float root = texture(u_light_horizon, vec3((at + 0.5) * vec2(v_rest.w, v_light.w), float(i))).r;
     return above(root * root * (0.5 * kPi), place(i).y);
 #elif SHADOWS == 1
 #if NEAR == 1 || BENDS == 1

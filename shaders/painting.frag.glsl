@@ -2,7 +2,7 @@
 // surface/render/relight.h:
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig_ambient rho_d),   D: surface/reflectance/oren_nayar.h
-// MODE: as LookMode in viewer/render/view_mode.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
+// MODE: as ViewMode in viewer/render/view_mode.h. EYE: 1 where the viewer has a place. OUTPUT: 0 linear, 1 sRGB, 2 the
 // monitor's own colours; linear values are clipped and encoded by the device where the target is sRGB.
 // GREY: 1 where the exposure is the same for all colours, and mixes none. BARE: 1 for the background alone.
 
@@ -92,7 +92,7 @@ vec3 lit(Material m, vec2 at) {
             diffuse *= max(1.0 - v_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
 #endif
 #if COLOURED == 1 && MODE != 1
-            vec3 shine = gloss * m.lobe_colour;
+            vec3 shine = gloss * m.specular_colour;
 #else
             float shine = gloss;
 #endif

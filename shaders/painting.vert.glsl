@@ -39,11 +39,11 @@ void main() {
     v_background = vec4(u_background, u_law.x);
     v_look = u_look;
 #if NEAR == 1
-    v_lamp = u_light[0];
+    v_light = u_light[0];
 #else
-    v_lamp = vec4(u_light[0].xyz, 1.0 / float(u_size.y));
+    v_light = vec4(u_light[0].xyz, 1.0 / float(u_size.y));
 #endif
-    v_lamp_gain = vec4(u_gain[0], u_place[0].x);
+    v_light_gain = vec4(u_gain[0], u_place[0].x);
     v_rest = vec4(u_law.y, u_place[0].y, exp2(-float(u_level)), 1.0 / float(u_size.x));
     v_size = ivec4(u_size, u_level, u_last_level);
 #if AT_HOME == 1

@@ -2,7 +2,7 @@
 // those that are seen, of any level of detail, are the layers of an array texture; a table says which. AT_HOME: 1 where
 // those of the picture's own level lie where column and row say (viewer/render/tile_cache.h), which spares each pixel the table.
 // COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits; DRAWN_OUT: 1 where they
-// are drawn out as well, for which everything has.
+// are anisotropic as well, for which everything has.
 
 uniform highp usampler2DArray u_texels;
 
@@ -14,7 +14,7 @@ struct Material {
     float height;      // [mm]
     float confidence;  // [1]
 #if COLOURED == 1
-    vec3 lobe_colour;  // [1]
+    vec3 specular_colour;  // [1]
 #endif
 #if DRAWN_OUT == 1
     vec2 stretch;  // [1] surface/reflectance/anisotropy.h
@@ -95,12 +95,12 @@ Material unpack(uvec4 texel) {
 #if DRAWN_OUT == 1
     vec2 gloss = vec2(float(texel.z & 0x7ffu), float((texel.z >> 11) & 0xfffu)) * vec2(1.0 / 2047.0, 1.0 / 4095.0);
     m.confidence = float(texel.y >> 29) * (1.0 / 7.0);
-    m.lobe_colour = colour_of(texel.z >> 30, (texel.z >> 23) & 0x7fu, texel.x >> 25);
+    m.specular_colour = colour_of(texel.z >> 30, (texel.z >> 23) & 0x7fu, texel.x >> 25);
     m.stretch = vec2(float(texel.w & 0xffu), float((texel.w >> 8) & 0xffu)) * (1.0 / 127.0) - 1.0;
 #elif COLOURED == 1
     vec2 gloss = vec2(float(texel.z & 0xfffu), float((texel.z >> 12) & 0x1fffu)) * vec2(1.0 / 4095.0, 1.0 / 8191.0);
     m.confidence = float(texel.w & 0x3fu) * (1.0 / 63.0);
-    m.lobe_colour = colour_of((texel.w >> 6) & 3u, texel.z >> 25, (texel.w >> 8) & 0x7fu);
+    m.specular_colour = colour_of((texel.w >> 6) & 3u, texel.z >> 25, (texel.w >> 8) & 0x7fu);
 #else
     vec2 gloss = halves(texel.z);
     m.confidence = float(texel.w & 0xffu) * (1.0 / 255.0);
@@ -139,7 +139,7 @@ Material smooth_in(vec2 at, int level, bool here) {
     m.height = dot(w, vec4(a.height, b.height, c2.height, d.height));
     m.confidence = dot(w, vec4(a.confidence, b.confidence, c2.confidence, d.confidence));
 #if COLOURED == 1
-    m.lobe_colour = w.x * a.lobe_colour + w.y * b.lobe_colour + w.z * c2.lobe_colour + w.w * d.lobe_colour;
+    m.specular_colour = w.x * a.specular_colour + w.y * b.specular_colour + w.z * c2.specular_colour + w.w * d.specular_colour;
 #endif
 #if DRAWN_OUT == 1
     m.stretch = w.x * a.stretch + w.y * b.stretch + w.z * c2.stretch + w.w * d.stretch;

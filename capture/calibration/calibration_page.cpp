@@ -27,17 +27,17 @@ namespace {
 
 constexpr const char* kTitle = "Calibration";
 
-std::vector<HemisphereLight> shown(const BallCalibration& c) {
+std::vector<HemisphereLight> shown(const SphereCalibration& c) {
     std::vector<HemisphereLight> lights;
     for (const CalibratedLight& light : c.lights)
         lights.push_back({light.name, light.direction, light.direction_sigma_deg, {}});
     return lights;
 }
 
-// A ball with the outline and the highlights that were found, numbered as in the table.
-std::string ball_figure(const BallCalibration& c, std::size_t number, const std::string& url) {
-    const FoundBall& ball = c.balls[number];
-    const Region& r = ball.crops.region;
+// A sphere with the outline and the highlights that were found, numbered as in the table.
+std::string sphere_figure(const SphereCalibration& c, std::size_t number, const std::string& url) {
+    const FoundSphere& sphere = c.spheres[number];
+    const Region& r = sphere.crops.region;
     std::string svg = fmt::format(
         "<figure class=\"card\"><svg width=\"360\" height=\"{:.0f}\" viewBox=\"{} {} {} {}\">"
         "<image href=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\"/>",
@@ -47,12 +47,12 @@ std::string ball_figure(const BallCalibration& c, std::size_t number, const std:
     svg += fmt::format("<polygon fill=\"none\" stroke=\"#22d3ee\" stroke-width=\"{:.3f}\" points=\"",
                        1.2 * size);
     for (int i = 0; i < 120; ++i) {
-        const dvec2 p = outline_point(ball.image, c.camera, 2 * std::numbers::pi * i / 120);
+        const dvec2 p = outline_point(sphere.image, c.camera, 2 * std::numbers::pi * i / 120);
         svg += fmt::format("{:.2f},{:.2f} ", p.x, p.y);
     }
     svg += "\"/>";
-    for (std::size_t i = 0; i < ball.highlights.size(); ++i) {
-        const Highlight& h = ball.highlights[i];
+    for (std::size_t i = 0; i < sphere.highlights.size(); ++i) {
+        const Highlight& h = sphere.highlights[i];
         if (h.state != HighlightState::found) continue;
         svg += fmt::format(
             "<path d=\"M{:.2f} {:.2f}h{:.2f}m{:.2f} {:.2f}v{:.2f}\" stroke=\"#f43f5e\" "
@@ -62,16 +62,17 @@ std::string ball_figure(const BallCalibration& c, std::size_t number, const std:
             h.place_px.x + 4 * size, h.place_px.y - 4 * size, 10 * size, i + 1);
     }
     const std::string outline =
-        ball.outline_coverage > 0
+        sphere.outline_coverage > 0
             ? fmt::format("outline seen on {:.0f} % of its length, edges ± {:.2f} px",
-                          std::min(100.0, 100 * ball.outline_coverage), ball.outline_residual_px)
+                          std::min(100.0, 100 * sphere.outline_coverage), sphere.outline_residual_px)
             : "outline taken as given";
-    return svg + fmt::format(
-                     "</svg><figcaption><b>{}</b>: radius {:.2f} ± {:.2f} px, centre ± {:.2f} px; "
-                     "{}{}</figcaption></figure>",
-                     escaped(ball.name), ball.image.radius_px, ball.image.radius_sigma_px,
-                     ball.image.centre_sigma_px, outline,
-                     ball.highlights.empty() ? "" : fmt::format("; {} highlights", ball.highlights_found()));
+    return svg +
+           fmt::format(
+               "</svg><figcaption><b>{}</b>: radius {:.2f} ± {:.2f} px, centre ± {:.2f} px; "
+               "{}{}</figcaption></figure>",
+               escaped(sphere.name), sphere.image.radius_px, sphere.image.radius_sigma_px,
+               sphere.image.centre_sigma_px, outline,
+               sphere.highlights.empty() ? "" : fmt::format("; {} highlights", sphere.highlights_found()));
 }
 
 // Strength of the light on the chart in each photograph, in units of their median; empty where not known.
@@ -90,10 +91,10 @@ std::map<std::string, double> strengths_of(const std::optional<ColourCalibration
     return strengths;
 }
 
-std::string direction_cells(const CalibratedLight& light, bool positions, bool balls) {
+std::string direction_cells(const CalibratedLight& light, bool positions, bool spheres) {
     if (!light.direction)
-        return fmt::format("<td class=\"why\" colspan=\"{}\">left out: {}</td>",
-                           4 + (positions ? 4 : 0) + (balls ? 1 : 0), escaped(light.reason));
+        return fmt::format("<td class=\"why\" colspan=\"{}\">rejected: {}</td>",
+                           4 + (positions ? 4 : 0) + (spheres ? 1 : 0), escaped(light.reason));
     const dvec3& d = *light.direction;
     std::string html = fmt::format("<td>{:.4f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.2f}</td>", d.x, d.y,
                                    d.z, light.direction_sigma_deg);
@@ -103,27 +104,27 @@ std::string direction_cells(const CalibratedLight& light, bool positions, bool b
                         light.position_mm->y, light.position_mm->z, glm::length(light.position_sigma_mm));
     else if (positions)
         html += "<td colspan=\"4\">distant</td>";
-    return balls ? html + fmt::format("<td>{}</td>", light.balls_used) : html;
+    return spheres ? html + fmt::format("<td>{}</td>", light.spheres_used) : html;
 }
 
 // One line a photograph: its light, how strong that was on the chart, and how the camera had moved.
 std::string table(const Calibration& calibration) {
-    const BallCalibration& c = calibration.lights;
-    const bool balls = !c.balls.empty(), lights = c.calibrated() > 0, moved = balls && c.drifts.moved;
+    const SphereCalibration& c = calibration.lights;
+    const bool spheres = !c.spheres.empty(), lights = c.calibrated() > 0, moved = spheres && c.drifts.moved;
     const bool positions = std::any_of(c.lights.begin(), c.lights.end(),
                                        [](const auto& l) { return l.position_mm.has_value(); });
     const std::map<std::string, double> strengths = strengths_of(calibration.colours);
     std::string html = "<div class=\"wide\"><table><tr><th>photograph</th>";
     if (lights) html += "<th>x</th><th>y</th><th>z</th><th>± deg</th>";
     if (positions) html += "<th>x mm</th><th>y mm</th><th>z mm</th><th>± mm</th>";
-    if (balls) html += "<th>balls</th>";
+    if (spheres) html += "<th>balls</th>";
     if (!strengths.empty()) html += "<th>light on the chart</th>";
     if (moved) html += "<th>drift px</th><th>± px</th><th>roll mrad</th><th>zoom ‰</th>";
     html += "</tr>";
     for (std::size_t i = 0; i < c.lights.size(); ++i) {
         const CalibratedLight& light = c.lights[i];
         html += fmt::format("<tr><td>{}&ensp;{}</td>", i + 1, escaped(light.name));
-        if (lights) html += direction_cells(light, positions, balls);
+        if (lights) html += direction_cells(light, positions, spheres);
         if (!strengths.empty()) {
             const auto found = strengths.find(light.name);
             html += found == strengths.end()
@@ -134,7 +135,7 @@ std::string table(const Calibration& calibration) {
                                          found->second * calibration.colours->correction.lights.residual));
         }
         if (moved) {
-            const CameraShake& drift = c.drifts.photos[i];
+            const CameraMotion& drift = c.drifts.photos[i];
             html += fmt::format("<td>{:.2f}, {:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>",
                                 drift.shift_px.x, drift.shift_px.y, drift.sigma_px, 1000 * drift.roll_rad,
                                 1000 * (drift.zoom - 1));
@@ -215,40 +216,41 @@ std::vector<std::filesystem::path> not_ours(const CalibrationFiles& files) {
     return others;
 }
 
-Image<Rgb> ball_picture(const FoundBall& ball) {
-    const Region& region = ball.crops.region;
+Image<Rgb> sphere_picture(const FoundSphere& sphere) {
+    const Region& region = sphere.crops.region;
     Image<float> most(region.width(), region.height());
-    for (std::size_t photo = 0; photo < ball.crops.photos.size(); ++photo)
+    for (std::size_t photo = 0; photo < sphere.crops.photos.size(); ++photo)
         for (int y = 0; y < region.height(); ++y)
             for (int x = 0; x < region.width(); ++x)
                 most(x, y) = std::max(
-                    most(x, y),
-                    ball.crops.value(photo, ball.crops.to_photo(photo, dvec2(x + region.x0, y + region.y0))));
+                    most(x, y), sphere.crops.value(photo, sphere.crops.to_photo(
+                                                              photo, dvec2(x + region.x0, y + region.y0))));
     Image<Rgb> picture(region.width(), region.height());
-    // Strongly lightened: a ball's outline is dark against a lamp.
+    // Strongly lightened: a sphere's outline is dark against a light.
     for (int y = 0; y < region.height(); ++y)
         for (int x = 0; x < region.width(); ++x)
             picture(x, y) = Rgb(std::pow(std::clamp(most(x, y), 0.0f, 1.0f), 0.35f));
     return picture;
 }
 
-std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& ball_urls) {
-    const BallCalibration& c = calibration.lights;
+std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& sphere_urls) {
+    const SphereCalibration& c = calibration.lights;
     const std::optional<ColourCalibration>& colours = calibration.colours;
-    TP_REQUIRE(ball_urls.size() == c.balls.size(), "each ball has a picture");
+    TP_REQUIRE(sphere_urls.size() == c.spheres.size(), "each sphere has a picture");
     std::string html = page_head(kTitle);
     html +=
         fmt::format("<p class=\"soft\">{} · camera: {}{}</p>",
-                    c.calibrated() == 0
-                        ? fmt::format("{} photographs, no lights", c.lights.size())
-                        : fmt::format("Lights of {} of {} photographs, from {}", c.calibrated(),
-                                      c.lights.size(), c.balls.empty() ? "the photographs alone" : c.method),
+                    c.calibrated() == 0 ? fmt::format("{} photographs, no lights", c.lights.size())
+                                        : fmt::format("Lights of {} of {} photographs, from {}",
+                                                      c.calibrated(), c.lights.size(),
+                                                      c.spheres.empty() ? "the photographs alone" : c.method),
                     c.camera.focal_px ? fmt::format("focal length {:.0f} px", *c.camera.focal_px)
                                       : "taken to be far away",
                     c.drifts.moved ? fmt::format(" · it moved by {:.2f} px rms", c.drifts.rms_px) : "");
     if (c.residual_sigma > 0)
         html += fmt::format(
-            "<p class=\"soft\">Highlights lie {:.3f} px (rms) from where the lamps should show, {:.1f} times "
+            "<p class=\"soft\">Highlights lie {:.3f} px (rms) from where the lights should show, {:.1f} "
+            "times "
             "what was expected.</p>",
             c.residual_px, c.residual_sigma);
     std::vector<std::string> notes = c.poor;
@@ -258,13 +260,13 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
         for (const std::string& note : notes) html += "<li>" + escaped(note) + "</li>";
         html += "</ul>";
     }
-    if (!c.balls.empty() || c.calibrated() > 0) {
-        html += fmt::format("<h2>{}</h2>", c.balls.empty() ? "Lights" : "Lights and balls");
+    if (!c.spheres.empty() || c.calibrated() > 0) {
+        html += fmt::format("<h2>{}</h2>", c.spheres.empty() ? "Lights" : "Lights and spheres");
         html +=
             "<div class=\"row\"><figure class=\"card\">" + hemisphere(shown(c)) +
             "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
             "painting's plane; circles are standard errors. Numbers as in the table.</figcaption></figure>";
-        for (std::size_t i = 0; i < c.balls.size(); ++i) html += ball_figure(c, i, ball_urls[i]);
+        for (std::size_t i = 0; i < c.spheres.size(); ++i) html += sphere_figure(c, i, sphere_urls[i]);
         html += "</div>";
     }
     html += calibration.section;
@@ -302,8 +304,8 @@ nlohmann::json to_json(const Calibration& calibration) {
 CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration) {
     const CalibrationFiles files = calibration_files(out);
     std::vector<std::string> urls;
-    for (const FoundBall& ball : calibration.lights.balls)
-        urls.push_back(picture_url(ball_picture(ball), out));
+    for (const FoundSphere& sphere : calibration.lights.spheres)
+        urls.push_back(picture_url(sphere_picture(sphere), out));
     const nlohmann::json capture = to_json(calibration);
     AtomicFile record(files.json), page(files.page);
     record.write(capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");

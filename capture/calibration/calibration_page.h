@@ -7,7 +7,7 @@
 #include "capture/calibration/plane_calibration.h"
 #include "capture/colour_chart/colour_calibration.h"
 #include "capture/formats/capture_file.h"
-#include "capture/sphere_lights/ball_calibration.h"
+#include "capture/sphere_lights/sphere_calibration.h"
 
 namespace tangi {
 
@@ -15,10 +15,10 @@ namespace tangi {
 // changed them. A lights file is ours where the capture file beside it has the same lights.
 std::vector<std::filesystem::path> not_ours(const CalibrationFiles& files);
 
-// All that was found. Without balls only the size of the photographs, the camera and the frame are used of
+// All that was found. Without spheres only the size of the photographs, the camera and the frame are used of
 // `lights`.
 struct Calibration {
-    BallCalibration lights;
+    SphereCalibration lights;
     std::optional<ColourCalibration> colours{};
     std::optional<PlaneCalibration> plane{};
     nlohmann::json development = nullptr;  // to_json(DevelopReport)
@@ -34,11 +34,11 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
 // The whole capture.json: see docs/capture.md.
 nlohmann::json to_json(const Calibration& calibration);
 
-// Each ball under all lights at once (the brightest of all photographs), lightened, for the page.
-Image<Rgb> ball_picture(const FoundBall& ball);
+// Each sphere under all lights at once (the brightest of all photographs), lightened, for the page.
+Image<Rgb> sphere_picture(const FoundSphere& sphere);
 
-// The page: one file, no script, no network. `ball_urls` are the balls' pictures, data: or a path. Whatever
-// names contain, they stay text.
-std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& ball_urls);
+// The page: one file, no script, no network. `sphere_urls` are the spheres' pictures, data: or a path.
+// Whatever names contain, they stay text.
+std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& sphere_urls);
 
 }  // namespace tangi

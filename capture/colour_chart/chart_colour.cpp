@@ -206,8 +206,8 @@ Used used_in(const ChartLights& lights) {
 }
 
 // Each patch by the light and the matrix that were solved without it.
-ColourErrors left_out_errors(std::span<const ChartReading> photos, const ChartReference& reference,
-                             int degree, Free free, const ChartLights& all) {
+ColourErrors cross_validated_errors(std::span<const ChartReading> photos, const ChartReference& reference,
+                                    int degree, Free free, const ChartLights& all) {
     ColourErrors errors;
     errors.patches.fill(-1);
     const Used used = used_in(all);
@@ -290,8 +290,8 @@ void finish(ColourCorrection& c, const Solution& s, const Solution& balanced, co
 ColourCorrection white_balance_only(std::span<const ChartReading> photos, const ChartReference& reference,
                                     ColourCorrection c) {
     ChartLights& lights = c.lights;
-    c.left_out.patches.fill(-1);
-    summarise(c.left_out);
+    c.cross_validated.patches.fill(-1);
+    summarise(c.cross_validated);
     if (lights.lights.empty() ||
         std::none_of(lights.lights.begin(), lights.lights.end(), [](const auto& l) { return l.known; }))
         for (const ChartReading& photo : photos)
@@ -351,10 +351,10 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
             if (first) c.lights = std::move(lights);
             continue;
         }
-        ColourErrors left_out = left_out_errors(photos, reference, degree, free, lights);
+        ColourErrors cross_validated = cross_validated_errors(photos, reference, degree, free, lights);
         // A patch more may not be taken for a better prediction.
-        if (!c.matrix_solved || left_out.mean < c.left_out.mean) {
-            c.left_out = left_out;
+        if (!c.matrix_solved || cross_validated.mean < c.cross_validated.mean) {
+            c.cross_validated = cross_validated;
             c.lights = std::move(lights);
             c.light_degree = degree;
         }
@@ -374,7 +374,7 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
     c.neutral_kept = options.keep_neutral_always || c.neutral_gain < options.neutral_cost;
     if (!c.neutral_kept) {
         s = open;
-        c.left_out = left_out_errors(photos, reference, c.light_degree, Free::all, c.lights);
+        c.cross_validated = cross_validated_errors(photos, reference, c.light_degree, Free::all, c.lights);
         c.warnings.push_back(fmt::format(
             "greys are not kept exactly grey: that would cost {:.2f} in mean CIEDE2000", c.neutral_gain));
     }

@@ -44,7 +44,8 @@ struct ColourCorrection {
     ColourErrors before;  // white balance only
     ColourErrors after;
     ColourErrors after_flat;  // after, with S_L = 1 in CIEDE2000, as Metamorfoze has it
-    ColourErrors left_out;  // each patch by the correction solved without it: what to expect of other colours
+    ColourErrors
+        cross_validated;  // each patch by the correction solved without it: what to expect of other colours
     double neutral_error = 0;  // largest CIEDE2000 without lightness of patches 19 to 23, after
     double neutral_gain = 0;   // mean CIEDE2000 by which a free matrix would be better
     // Of each photograph by itself, what is off in it after correction: a mean over photographs of which one

@@ -40,7 +40,7 @@ json to_json(const ColourCorrection& c, const ChartReference& reference) {
              {"photographs", c.lights.photos[i]},
              {"before", or_null(c.before.patches[i])},
              {"after", or_null(c.after.patches[i])},
-             {"left_out", or_null(c.left_out.patches[i])}});
+             {"cross_validated", or_null(c.cross_validated.patches[i])}});
     json photos = json::array();
     for (const ColourCorrection::OfPhoto& photo : c.of_photos) photos.push_back(summary_of(photo.after));
     return {{"reference", c.reference},
@@ -51,7 +51,7 @@ json to_json(const ColourCorrection& c, const ChartReference& reference) {
             {"delta_e_2000",
              {{"before", summary_of(c.before)},
               {"after", summary_of(c.after)},
-              {"left_out", summary_of(c.left_out)},
+              {"cross_validated", summary_of(c.cross_validated)},
               {"neutral", c.neutral_error},
               {"neutral_gain", c.neutral_gain}}},
             {"light", {{"degree", c.light_degree}, {"residual", c.lights.residual}}},

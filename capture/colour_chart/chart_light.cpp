@@ -17,7 +17,7 @@ using glm::dvec3;
 namespace {
 
 constexpr int kLeastLitPatches = 9;     // of a photograph, to know its light
-constexpr double kDark = 0.02;          // [1] of the usual white: a lamp that failed tells no colours
+constexpr double kDark = 0.02;          // [1] of the usual white: a light that failed tells no colours
 constexpr double kModelError = 0.01;    // [1] relative: what smooth light and one matrix leave of real charts
 constexpr double kReadingFloor = 1e-3;  // [1] of the white patch's reading, below which errors are absolute
 constexpr double kLossSigmas = 2;       // where Cauchy's function begins to bend

@@ -3,9 +3,9 @@
 //
 // A patch of linear Rec. 709 reflectance r at x (chart coordinates, colour_chart.h) reads in photograph p
 //     m = exp(f_p(x)) M r
-// with one 3x3 matrix M for the camera and all lamps (which are taken to have one colour), and a smooth field
-// f_p of each photograph: a polynomial in x of first or second degree, which is how a lamp that is not very
-// near lights a small plane.
+// with one 3x3 matrix M for the camera and all lights (which are taken to have one colour), and a smooth
+// field f_p of each photograph: a polynomial in x of first or second degree, which is how a light that is not
+// very near lights a small plane.
 #pragma once
 
 #include <glm/mat3x3.hpp>

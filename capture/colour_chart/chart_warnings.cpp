@@ -21,8 +21,8 @@ void warn_of_outliers(ColourCorrection& c, std::span<const ChartReading> photos)
         if (!c.lights.lights[p].known) {
             c.warnings.push_back(
                 c.lights.lights[p].dark
-                    ? fmt::format("{}: the chart is black in it; did its lamp fail? Left out", name)
-                    : fmt::format("{}: only {} patches of the chart can be used; left out", name,
+                    ? fmt::format("{}: the chart is black in it; did its light fail? Left out", name)
+                    : fmt::format("{}: only {} patches of the chart can be used; rejected", name,
                                   photos[p].good()));
             continue;
         }
@@ -32,7 +32,7 @@ void warn_of_outliers(ColourCorrection& c, std::span<const ChartReading> photos)
         if (!numbers.empty())
             c.warnings.push_back(
                 fmt::format("{}: the chart's patch {} does not fit the others: a shadow or a "
-                            "highlight; left out",
+                            "highlight; rejected",
                             name, numbers));
     }
 }

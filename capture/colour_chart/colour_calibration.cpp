@@ -172,7 +172,7 @@ std::string colour_section(const ColourCalibration& c) {
         "role=\"img\" "
         "aria-label=\"patches: reference and corrected\">",
         escaped(c.found_in), c.photos.size(), c.transfer.name(), correction.before.mean,
-        correction.after.mean, correction.after.maximum, correction.left_out.mean);
+        correction.after.mean, correction.after.maximum, correction.cross_validated.mean);
     for (int i = 0; i < kChartPatches; ++i) {
         const auto at = static_cast<std::size_t>(i);
         const int x = 6 + 60 * (i % kChartColumns), y = 6 + 60 * (i / kChartColumns);
@@ -184,7 +184,7 @@ std::string colour_section(const ColourCalibration& c) {
             "<rect x=\"{3}\" y=\"{4}\" width=\"27\" height=\"27\" fill=\"{5}\"/></g>",
             x, y, css(c.reference.patches[at].linear), x + 14, y + 14, css(found),
             escaped(c.reference.patches[at].name),
-            error >= 0 ? fmt::format(": ΔE2000 {:.2f}", error) : ", left out");
+            error >= 0 ? fmt::format(": ΔE2000 {:.2f}", error) : ", rejected");
     }
     html +=
         "</svg><figcaption>Each patch as it should be; inside, as photographed and "

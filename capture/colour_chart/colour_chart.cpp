@@ -262,7 +262,7 @@ ChartReading read_chart(const Image<Rgb>& linear, const FoundChart& chart, const
         const char* why = state == PatchState::clipped  ? "is clipped: expose less"
                           : state == PatchState::uneven ? "has the edge of a shadow or a highlight on it"
                                                         : "is not wholly in the picture";
-        reading.warnings.push_back(fmt::format("{}{}the chart's patch {} {}; left out", photo,
+        reading.warnings.push_back(fmt::format("{}{}the chart's patch {} {}; rejected", photo,
                                                photo.empty() ? "" : ": ", numbers, why));
     }
     return reading;

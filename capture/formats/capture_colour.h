@@ -20,7 +20,7 @@ namespace tangi {
 constexpr double kWorstChart = 10;
 
 struct CaptureColour {
-    // Linear Rec. 709 in the light of the lamps -> linear channels of the photographs, white balance
+    // Linear Rec. 709 in the light of the lights -> linear channels of the photographs, white balance
     // included. The luminance of white stays: to_camera (1, 1, 1) has 1 for green.
     glm::dmat3 to_camera{1};
     Transfer transfer;        // that the photographs were linearised by when the chart was read
@@ -41,11 +41,11 @@ struct CaptureColour {
     };
     std::optional<Chart> chart{};
 
-    // What the lamps' light looks like to the camera: the colour of highlights.
-    glm::dvec3 lamp() const { return to_camera * glm::dvec3(1); }
-    // From channels that were divided by lamp() to linear Rec. 709. Keeps white.
+    // What their light looks like to the camera: the colour of highlights.
+    glm::dvec3 light() const { return to_camera * glm::dvec3(1); }
+    // From channels that were divided by light() to linear Rec. 709. Keeps white.
     glm::dmat3 from_balanced() const {
-        const glm::dvec3 white = lamp();
+        const glm::dvec3 white = light();
         return glm::inverse(to_camera) * glm::dmat3(white.r, 0, 0, 0, white.g, 0, 0, 0, white.b);
     }
 };

@@ -13,6 +13,7 @@
 #include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
 #include "surface/base/median.h"
+#include "surface/base/renamed_keys.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 
@@ -46,7 +47,7 @@ std::optional<Light> light_of(const JsonField& entry, const std::string& file) {
     if (!entry["position_mm"].is_null()) {
         const Vec3 position = Vec3(vector_in(entry["position_mm"], kFarthest_mm));
         if (!(position.z > 0))
-            fail("{}: the lamp of {} is at z = {} mm, below the painting", file, name, position.z);
+            fail("{}: the light of {} is at z = {} mm, below the painting", file, name, position.z);
         return near_light(position, name);
     }
     const Vec3 direction = Vec3(vector_in(entry["direction"], 2));
@@ -54,7 +55,7 @@ std::optional<Light> light_of(const JsonField& entry, const std::string& file) {
     return distant_light(direction, name);
 }
 
-// Positions of all lamps, or of none.
+// Positions of all lights, or of none.
 void complete_positions(CaptureFile& capture, const std::string& file) {
     std::vector<float> distances;
     for (const Light& light : capture.lights)
@@ -68,7 +69,7 @@ void complete_positions(CaptureFile& capture, const std::string& file) {
             names += (names.empty() ? "" : ", ") + light.name;
         }
     capture.warnings.push_back(
-        fmt::format("{}: only the direction is known of the lamps of {}; they are taken to be {:.0f} mm "
+        fmt::format("{}: only the direction is known of the lights of {}; they are taken to be {:.0f} mm "
                     "away, as the others",
                     file, names, middle));
 }
@@ -85,8 +86,8 @@ CaptureColour colour_of(const JsonField& colour, const std::string& file) {
     if (!(std::abs(glm::determinant(total)) > 1e-6))
         fail("{}: colour.correction.matrix has no inverse", file);
     result.to_camera = glm::inverse(total);
-    const glm::dvec3 lamp = result.lamp();
-    if (!(std::min({lamp.r, lamp.g, lamp.b}) > 0))
+    const glm::dvec3 light = result.light();
+    if (!(std::min({light.r, light.g, light.b}) > 0))
         fail("{}: by colour.correction, white would be dark in a channel", file);
     const std::string name = colour["transfer"]["name"].text();
     const std::optional<Transfer> transfer = transfer_named(name);
@@ -110,16 +111,17 @@ CaptureColour colour_of(const JsonField& colour, const std::string& file) {
         for (const JsonField& photo : colour["white_balances"].list())
             result.log_gains[photo["photograph"].text()] = {std::log(photo["red"].number(1e-3, 1e3)),
                                                             std::log(photo["blue"].number(1e-3, 1e3))};
-    const JsonField errors = correction["delta_e_2000"], left_out = errors["left_out"];
+    const JsonField errors = correction["delta_e_2000"], cross_validated = errors["cross_validated"];
     if (errors.has("after")) result.misfit = errors["after"]["mean"].number(0, 1e3);
-    if (!left_out.is_null()) result.delta_e_2000 = left_out["mean"].number(0, 1e3);
+    if (!cross_validated.is_null()) result.delta_e_2000 = cross_validated["mean"].number(0, 1e3);
     return result;
 }
 
-// [deg] As the balls tell it; 0 where no ball does.
-double direction_sigma_of(const JsonField& entry, bool by_balls) {
+// [deg] As the spheres tell it; 0 where no sphere does.
+double direction_sigma_of(const JsonField& entry, bool by_spheres) {
     constexpr double kWorst = 90;
-    return by_balls && entry.has("direction_sigma_deg") ? entry["direction_sigma_deg"].number(0, kWorst) : 0;
+    return by_spheres && entry.has("direction_sigma_deg") ? entry["direction_sigma_deg"].number(0, kWorst)
+                                                          : 0;
 }
 
 }  // namespace
@@ -156,7 +158,7 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
         fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
     const std::string text = read_text_file(path);
     if (text.empty()) fail("{}: is empty, or no file; calibrate again", file);
-    const json whole = read_json(text, file);
+    const json whole = with_present_keys(read_json(text, file));
     const JsonField top(file, whole, "");
     if (!whole.is_object() || !whole.contains("format") || whole["format"] != kFormat)
         fail("{}: is not a capture file of this program (format \"{}\")", file, kFormat);
@@ -173,12 +175,14 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
         capture.camera_mm = Vec3(vector_in(camera["position_mm"], kFarthest_mm));
     if (capture.camera_mm && !(capture.camera_mm->z > 0))
         fail("{}: camera.position_mm is below the painting", file);
-    const bool by_balls = whole.contains("method") && top["method"].text().find("ball") != std::string::npos;
+    const std::string method = whole.contains("method") ? top["method"].text() : std::string();
+    const bool by_spheres =  // "mirror balls" in version 0.1
+        method.find("sphere") != std::string::npos || method.find("ball") != std::string::npos;
     for (const JsonField& entry : top["lights"].list()) {
         const auto light = light_of(entry, file);
         if (!light) continue;
         capture.lights.push_back(*light);
-        capture.direction_sigma_deg.push_back(direction_sigma_of(entry, by_balls));
+        capture.direction_sigma_deg.push_back(direction_sigma_of(entry, by_spheres));
     }
     complete_positions(capture, file);
     // Files of version 0.1 have neither.

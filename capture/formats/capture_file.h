@@ -18,9 +18,9 @@ namespace tangi {
 // painting, until in_picture() carries them into the one of the picture that is fitted.
 struct CaptureFile {
     std::vector<Light> lights;  // those that were found, in the file's order; gains 1; positions all or none;
-                                // none where no ball was looked for
-    // [deg] Standard error of the direction of each, where balls tell it; else 0. Lights that were found from
-    // the photographs alone have none: the same photographs can say nothing more of them.
+                                // none where no sphere was looked for
+    // [deg] Standard error of the direction of each, where spheres tell it; else 0. Lights that were found
+    // from the photographs alone have none: the same photographs can say nothing more of them.
     std::vector<double> direction_sigma_deg;
     int width = 0, height = 0;             // of the photographs
     glm::dvec2 origin_px{0};               // pixel of the photographs where x = y = 0
@@ -44,7 +44,7 @@ CalibrationFiles calibration_files(const std::filesystem::path& out);
 // Whether a lights file has the lights of the capture file beside it; false where one of them is none.
 bool is_lights_file_of(const std::filesystem::path& lights, const std::filesystem::path& capture);
 
-// Lamps of which only the direction was found, among others with positions, are taken to be as far away as
+// Lights of which only the direction was found, among others with positions, are taken to be as far away as
 // the others' median, with a warning. Throws Error naming the file and the field: not JSON, another file's
 // JSON, a later format, a number that is missing or makes no sense.
 CaptureFile read_capture_file(const std::filesystem::path& path);
@@ -54,9 +54,9 @@ CaptureFile read_capture_file(const std::filesystem::path& path);
 CaptureFile in_picture(const CaptureFile& capture);
 
 // The same as seen by a part of the photographs: the origin moved to the centre of `crop`, and the strengths
-// with it: lamps of known positions are taken for one lamp that was carried around, so that its light at the
-// origin falls with the square of the distance; the median gain is 1. Without a scale positions say nothing
-// about a part, and only directions are left.
+// with it: lights of known positions are taken for one light that was carried around, so that its light at
+// the origin falls with the square of the distance; the median gain is 1. Without a scale positions say
+// nothing about a part, and only directions are left.
 CaptureFile seen_from(const CaptureFile& capture, const Region& crop);
 
 }  // namespace tangi

@@ -12,12 +12,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kFarthestLamp_mm = 1e6;  // 1 km
+constexpr double kFarthestLight_mm = 1e6;  // 1 km
 
 glm::dvec3 vector_in(const JsonField& entry) {
     const glm::dvec3 v(entry["x"].number(), entry["y"].number(), entry["z"].number());
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    if (!std::isfinite(largest) || largest > kFarthestLamp_mm)
+    if (!std::isfinite(largest) || largest > kFarthestLight_mm)
         fail("{}: {} is out of range", entry.file(), entry.path());
     if (!(largest > 1e-6))
         fail("{}: {} is a zero vector; give a direction, or take this light out of all lists", entry.file(),
@@ -43,7 +43,7 @@ std::vector<glm::dvec3> vectors_in(const JsonField& dome, const char* key) {
 double length_in(const JsonField& dome, const char* key) {
     if (!dome.has(key)) return 0;
     const double mm = dome[key].number();
-    if (!(std::abs(mm) <= kFarthestLamp_mm))
+    if (!(std::abs(mm) <= kFarthestLight_mm))
         fail("{}: {} = {} mm is farther than 1 km", dome.file(), dome[key].path(), mm);
     return mm;
 }

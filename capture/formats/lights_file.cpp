@@ -172,14 +172,14 @@ public:
     }
 
     LightsFile take(const std::optional<long>& count) {
-        require_few(result_.left_out, lines_, 1, file_name_);
+        require_few(result_.rejected, lines_, 1, file_name_);
         decode();
         const std::size_t used = result_.lights.size();
         if (count && *count != static_cast<long>(lines_))
             result_.warnings.push_back(fmt::format(
                 "{}: its first line says {} lights, but {} follow; {} are used", file_name_, *count, lines_,
                 used == lines_ ? fmt::format("all {}", used) : std::to_string(used)));
-        for (const LeftOut& light : result_.left_out)
+        for (const RejectedPhoto& light : result_.rejected)
             result_.warnings.push_back(light.reason + "; its photograph is left out");
         return std::move(result_);
     }
@@ -203,7 +203,7 @@ private:
     }
 
     void leave_out(const std::string& name, const std::string& reason) {
-        result_.left_out.push_back({name, reason});
+        result_.rejected.push_back({name, reason});
     }
 
     // Which of two different lights is right, nobody knows.

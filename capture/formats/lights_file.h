@@ -29,7 +29,8 @@ struct LightsFile {
     std::vector<std::string> warnings;  // a count that disagrees with the lines, …
     std::vector<double> lengths{};      // of the vectors: distances, where these are positions
     int decimals = 0;                   // most that a component is given with
-    std::vector<LeftOut> left_out{};  // lines that are no light, told in the warnings too; names may be empty
+    std::vector<RejectedPhoto>
+        rejected{};  // lines that are no light, told in the warnings too; names may be empty
 };
 
 // Lines without a name or three numbers, with a zero vector or NaN, and names that occur twice with different

@@ -187,7 +187,7 @@ std::string decode_vectors(std::vector<glm::dvec3>& vectors, const std::string& 
             "so",
             file_name, full);
     }
-    // No lamp of a stack stands lower than this throughout, nor 1 mm above a painting.
+    // No light of a stack stands lower than this throughout, nor 1 mm above a painting.
     constexpr double grazing = 10;  // [1] x and y by z: 6 degrees above the picture
     constexpr double same = 1e-4;   // [1] floats of hundreds are that exact
     const double third = std::round(vectors.front().z);

@@ -109,7 +109,7 @@ RelightFile parse_relight(const std::string& text, const std::string& file_name)
     }
     if (result.lights.empty()) fail("{}: no photograph has a light", file_name);
     if (!without.empty())
-        result.warnings.push_back(fmt::format("{}: has no light for {}; left out", file_name, without));
+        result.warnings.push_back(fmt::format("{}: has no light for {}; rejected", file_name, without));
     return result;
 }
 

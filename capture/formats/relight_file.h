@@ -2,7 +2,7 @@
 //
 //   images    [{filename, skip}]; those with skip own no light
 //   dome      as in a .dome file (dome_file.h)
-//   spheres   [{directions: [[x, y, z]]}] that mirror balls showed, one for each photograph that is not
+//   spheres   [{directions: [[x, y, z]]}] that mirror spheres showed, one for each photograph that is not
 //   skipped;
 //             [0, 0, 0] where none was found
 //   pixelSize [mm] of a pixel of the photographs on the plane of the object; 0 where unknown

@@ -29,7 +29,7 @@ Image<float> reduced(const Image<float>& image, int factor) {
     return result;
 }
 
-// The mean luminance of photographs spread over the stack, each by its own mean, since lamps differ; read in
+// The mean luminance of photographs spread over the stack, each by its own mean, since lights differ; read in
 // strips that become rows of the reduced picture.
 Image<float> mean_of(const PhotoSet& photos, int factor, const Transfer& transfer, const Progress& progress) {
     const std::size_t count = std::min(photos.size(), kPhotographs);

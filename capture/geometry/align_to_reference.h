@@ -24,7 +24,7 @@ struct FoundPainting {
     double correlation = 0;  // [1] of the edges of the two
 };
 
-// Where the painting lies in the photographs, whose lamps need not be known: by the mean of some of them
+// Where the painting lies in the photographs, whose lights need not be known: by the mean of some of them
 // (register_pictures). `lens` is for photographs of this size. Throws Error where it is not in them.
 FoundPainting find_painting(const PhotoSet& photos, const EarlierPainting& painting,
                             const std::optional<Lens>& lens, const Transfer& transfer,

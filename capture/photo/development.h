@@ -33,7 +33,7 @@ enum class RawColour {
 struct DevelopOptions {
     std::optional<std::filesystem::path> dark{};     // lens covered, same ISO and exposure time
     std::optional<std::filesystem::path> flat{};     // an even white surface, not clipped
-    std::optional<std::filesystem::path> ambient{};  // the painting with the lamp off, as the photographs
+    std::optional<std::filesystem::path> ambient{};  // the painting with the light off, as the photographs
     std::optional<std::string> brackets{};           // "auto", or a file (brackets.h)
     std::string demosaic = "AHD";                    // demosaic_methods()
     RawColour raw_colour = RawColour::rec709;

@@ -2,7 +2,7 @@
 
 namespace tangi {
 
-void require_few(const std::vector<LeftOut>& lost, std::size_t all, std::size_t least,
+void require_few(const std::vector<RejectedPhoto>& lost, std::size_t all, std::size_t least,
                  const std::string& what) {
     if (lost.empty() || (3 * lost.size() < all && all - lost.size() >= least)) return;
     const std::string& reason = lost.front().reason;
@@ -11,9 +11,10 @@ void require_few(const std::vector<LeftOut>& lost, std::size_t all, std::size_t 
          lost.size(), all, what);
 }
 
-nlohmann::json to_json(const std::vector<LeftOut>& left_out) {
+nlohmann::json to_json(const std::vector<RejectedPhoto>& rejected) {
     nlohmann::json list = nlohmann::json::array();
-    for (const LeftOut& photo : left_out) list.push_back({{"name", photo.name}, {"reason", photo.reason}});
+    for (const RejectedPhoto& photo : rejected)
+        list.push_back({{"name", photo.name}, {"reason", photo.reason}});
     return list;
 }
 

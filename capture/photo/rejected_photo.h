@@ -10,7 +10,7 @@
 
 namespace tangi {
 
-struct LeftOut {
+struct RejectedPhoto {
     std::string name;    // of the light, as its file has it, or of the photograph's file
     std::string reason;  // naming the file, the place and the remedy
 };
@@ -35,9 +35,9 @@ template <class... Args>
 
 // Throws Error with the first reason where a third of `all` photographs or more is lost, or too few are left
 // for what follows: somebody should look first. Nothing lost is fine however few there are.
-void require_few(const std::vector<LeftOut>& lost, std::size_t all, std::size_t least,
+void require_few(const std::vector<RejectedPhoto>& lost, std::size_t all, std::size_t least,
                  const std::string& what);
 
-nlohmann::json to_json(const std::vector<LeftOut>& left_out);
+nlohmann::json to_json(const std::vector<RejectedPhoto>& rejected);
 
 }  // namespace tangi

@@ -71,12 +71,12 @@ double jackknife(const std::array<LineSums, kColourGroups>& groups, const LineSu
 // The line that the sums say, and what is left at a say, in units of the usual one's scatter.
 struct WeightedLine {
     double at_white = 0, slope = 0;
-    double rest(const ColourSay& say, double usual_worth) const {
-        return (say.off - at_white - slope * say.veil) * std::sqrt(say.worth / usual_worth);
+    double rest(const ColourSay& say, double usual_min_gain) const {
+        return (say.off - at_white - slope * say.veil) * std::sqrt(say.worth / usual_min_gain);
     }
 };
 
-double usual_worth(std::span<const ColourSay> says) {
+double usual_min_gain(std::span<const ColourSay> says) {
     std::vector<double> worths;
     for (const ColourSay& say : says) worths.push_back(say.worth);
     return median(std::move(worths));
@@ -85,7 +85,7 @@ double usual_worth(std::span<const ColourSay> says) {
 }  // namespace
 
 ColourLine colour_line(std::span<const ColourSay> says, double veil_sigma) {
-    const double usual = usual_worth(says);
+    const double usual = usual_min_gain(says);
     if (!(usual > 0)) return {};
     const std::vector<std::size_t> group = groups_of(says);
     std::array<LineSums, kColourGroups> groups;

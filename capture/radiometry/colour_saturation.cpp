@@ -17,12 +17,12 @@ namespace tangi {
 namespace {
 
 constexpr std::size_t kFewestOfSaturation = 4, kFewestColours = 40;
-constexpr std::size_t kQuarters = 4;  // of the picture, left out in turn
+constexpr std::size_t kQuarters = 4;  // of the picture, rejected in turn
 // [1] Scatter of ln ratios over the picture: below, it is nearly of one colour, and nothing is to be scaled.
 constexpr double kLeastChroma = 0.05;
-// [1] Metal, and light that comes off one paint onto another, change the ratios of real pictures from lamp to
-// lamp: by 0.8 to 1.2 on paint, by up to 1.6 on bronze. What a program does and light does not is beyond this
-// factor, either way, by more than four standard errors.
+// [1] Metal, and light that comes off one paint onto another, change the ratios of real pictures from light
+// to light: by 0.8 to 1.2 on paint, by up to 1.6 on bronze. What a program does and light does not is beyond
+// this factor, either way, by more than four standard errors.
 constexpr double kMostByLight = 2, kSaturationSigmas = 4;
 constexpr int kSaturationRounds = 8;
 constexpr double kTukey = 4.685, kMadToSigma = 1 / 0.6745;

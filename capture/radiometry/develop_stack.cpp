@@ -169,7 +169,7 @@ void relate_exposures(Stack& stack, DevelopReport& report_) {
         if (refined.scatter[k] > 0.02)
             stack.warnings.push_back(
                 fmt::format("{}: the ratio of neighbouring exposures changes by {:.1f} % from light to "
-                            "light: the lamps or the "
+                            "light: the lights or the "
                             "shutter are not steady",
                             stack.folder.string(), 100 * refined.scatter[k]));
     }
@@ -211,7 +211,7 @@ void check_frames(Stack& stack, const DevelopReport& report_) {
             fail(
                 "{}: the photograph of the ambient light has {:.0f} % of the brightness of the brightest "
                 "photographs; the "
-                "lamp must be off in it, and the room darker",
+                "light must be off in it, and the room darker",
                 name, 100 * part);
         if (part > 0.25)
             stack.warnings.push_back(

@@ -21,16 +21,16 @@ namespace {
 
 constexpr int kSolverIterations = 200;
 constexpr int kStrengthRounds = 3;  // of taking strengths for as equal as they turned out to be
-// [1] ln strength by which lamps differ at ease: at first, at least and at most.
+// [1] ln strength by which lights differ at ease: at first, at least and at most.
 constexpr double kStrengthSigma = 0.15, kLeastSigma = 0.01, kMostSigma = 0.5;
-constexpr double kMost = 0.8, kMostSigmas = 1.2816;  // [1] part of the lamps, and what it lies within
+constexpr double kMost = 0.8, kMostSigmas = 1.2816;  // [1] part of the lights, and what it lies within
 constexpr double kFactorSigma = 0.05;   // [1] relative, of factors: shadows, and what is not linear in slopes
 constexpr double kMiddlingSigma = 0.2;  // [1] of l.xy / l.z
 constexpr double kGlossSigma = 0.2;     // [1] most objects are nearly matt
 constexpr double kLnWidth = -1.2, kLnWidthSigma = 0.5;  // [1] oil paint, and its relief
 constexpr double kNarrowest = 0.05, kWidest = 0.8;      // [1]
 
-// One photograph: its level, if lamps are equally strong, and its factor.
+// One photograph: its level, if lights are equally strong, and its factor.
 struct PhotoShading {
     double log_level;
     Vector2d r;
@@ -48,8 +48,8 @@ struct PhotoShading {
     }
 };
 
-// Each pixel was divided by what it shows under a middling lamp, which shifts l.xy / l.z by that lamp's: near
-// 0, as lamps stand all around. Most objects are as good as matt.
+// Each pixel was divided by what it shows under a middling light, which shifts l.xy / l.z by that light's:
+// near 0, as lights stand all around. Most objects are as good as matt.
 struct LikelyShading {
     template <class T>
     bool operator()(const T* g, const T* gloss, T* residual) const {
@@ -150,7 +150,7 @@ EqualStrength by_equal_strength(const MatrixXd& right, const VectorXd& log_level
         least = cost;
         best = problem.found();
     }
-    if (!std::isfinite(least)) fail("no lamps of equal strength explain the photographs");
+    if (!std::isfinite(least)) fail("no lights of equal strength explain the photographs");
     return best;
 }
 

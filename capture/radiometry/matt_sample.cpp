@@ -50,7 +50,7 @@ double predicted(const MattSample& sample, std::size_t k, std::size_t photo) {
 }
 
 // ln of how much more light there is in one photograph than it should be, as a plane over the picture: what
-// lamps of other strength, and near ones, do. Robust (Cauchy): shadows and highlights are no lamps.
+// lights of other strength, and near ones, do. Robust (Cauchy): shadows and highlights are no lights.
 class IlluminationPlane {
 public:
     IlluminationPlane(const MattSample& sample, std::size_t photo, const Survey& survey, int width,
@@ -95,10 +95,10 @@ private:
     glm::dvec3 plane_{0};
 };
 
-// Surfaces, under the lamps as they were found. A weak lamp counts as much as a strong one: were its light
-// weighed by its strength, a lamp that is taken for weak by mistake would have no say in that.
+// Surfaces, under the lights as they were found. A weak light counts as much as a strong one: were its light
+// weighed by its strength, a light that is taken for weak by mistake would have no say in that.
 void find_surfaces(MattSample& sample) {
-    // What all lamps share is the paint's.
+    // What all lights share is the paint's.
     const double common = std::exp(median(sample.log_strengths));
     parallel_for(0, static_cast<int>(sample.index.size()), 16, [&](int begin, int end) {
         for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
@@ -110,8 +110,8 @@ void find_surfaces(MattSample& sample) {
     });
 }
 
-// Lamps, with the surfaces as they were found, and what is left.
-void find_lamps(MattSample& sample, const Survey& survey, const Transfer& transfer, int width, int height) {
+// Lights, with the surfaces as they were found, and what is left.
+void find_lights(MattSample& sample, const Survey& survey, const Transfer& transfer, int width, int height) {
     const std::size_t photos = sample.log_strengths.size();
     parallel_for(0, static_cast<int>(photos), 1, [&](int begin, int end) {
         for (auto photo = static_cast<std::size_t>(begin); photo < static_cast<std::size_t>(end); ++photo) {
@@ -170,14 +170,14 @@ MattSample matt_sample(const std::vector<Light>& lights, const Survey& survey, c
     sample.deviations.assign(lights.size(), std::vector<float>(sample.index.size(), kNoDeviation));
     sample.factors.assign(lights.size(), std::vector<double>(sample.index.size(), 1));
     find_surfaces(sample);
-    find_lamps(sample, survey, transfer, width, height);
+    find_lights(sample, survey, transfer, width, height);
     for (int round = 1; round < rounds; ++round) refine(sample, survey, transfer, width, height);
     return sample;
 }
 
 void refine(MattSample& sample, const Survey& survey, const Transfer& transfer, int width, int height) {
     find_surfaces(sample);
-    find_lamps(sample, survey, transfer, width, height);
+    find_lights(sample, survey, transfer, width, height);
 }
 
 }  // namespace tangi

@@ -12,7 +12,7 @@ struct PhotometricStereoOptions {
     double outlier_scale =
         0.08;  // [1] residual, relative to the pixel's brightness, at which a sample weighs half
     // [1] Of the brightness of a pixel's bright samples: what is darker is taken for shadow at first. Where
-    // relief is high and lamps are low, more than a fifth of the samples are; of four photographs, which
+    // relief is high and lights are low, more than a fifth of the samples are; of four photographs, which
     // hardly tell a shadow from a dark side, it leaves too little to say how they were stored.
     double shadow = 0;
 

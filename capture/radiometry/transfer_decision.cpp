@@ -94,7 +94,7 @@ TransferEstimate decide_transfer(const Stack& stack, const Survey& survey) {
     if (contrary && stack.photos.size() >= kTelling)
         result.warning = fmt::format(
             "{}: stored as {} by the photographs' {}, which is used, but they look like {}, as photographs "
-            "under near or unequal lamps can; only where the profile is known to be wrong, say so with "
+            "under near or unequal lights can; only where the profile is known to be wrong, say so with "
             "--transfer {}",
             stack.folder.string(), stated.name(), source, result.transfer.name(), result.transfer.name());
     else

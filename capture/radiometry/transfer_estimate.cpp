@@ -14,32 +14,32 @@ namespace tangi {
 namespace {
 
 constexpr int kCurveSamples = 1500;  // enough: the choice is between a handful of curves
-// By which a gamma that is none of the usual must fit better than these, surfaces being found as if lamps
+// By which a gamma that is none of the usual must fit better than these, surfaces being found as if lights
 // were equally strong [1]: near one of them (linear; 2 to 2.4) it is likely that one, seen through what the
 // model leaves out; between them it is likely another. And ln by which it must explain the photographs
-// better, lamps of any strength.
+// better, lights of any strength.
 constexpr double kBetterNear = 1.3, kBetterBetween = 1.08, kUnusual = 3;
 // A smooth curve of three numbers is believed only where it fits down to the noise, none of one number does,
-// and it is better by this: gloss, interreflection and near lamps bend what they are seen through as well.
+// and it is better by this: gloss, interreflection and near lights bend what they are seen through as well.
 // Of 336 generated surveys without a tone curve two are taken for one, gilded ones, and that is told.
 constexpr double kBetterCurve = 1.4, kCurveFits = 1.5 / 255;
 // [1] Probability of curves with other slopes from which on the choice is open.
 constexpr double kOpen = 0.1;
-// [deg] From which on slopes are others: twice what the fit leaves them off by under many lamps, and more
+// [deg] From which on slopes are others: twice what the fit leaves them off by under many lights, and more
 // than neighbours (gamma 1.8 and sRGB) differ by.
 constexpr double kOtherSlopes_deg = 2.5;
 constexpr double kWorthTelling = 0.01;  // [1] probability of a curve that is named among the possible ones
 constexpr double kBelievedCurve = 10;   // [1] times as often as not, what files state blindly is right
 constexpr double kSureAgainst = 20;     // [1] odds by which photographs contradict it even so
 
-// Median deviation from robust matt reflection, surfaces being found as if lamps were equally strong.
+// Median deviation from robust matt reflection, surfaces being found as if lights were equally strong.
 double residual_of(const Stack& stack, const Survey& survey, const Transfer& transfer) {
     return matt_sample(stack.lights(), survey, transfer, stack.width(), stack.height(), kCurveSamples)
         .residual();
 }
 
 // Cameras compress light from the middle upwards, more than they steepen it there for contrast, and lift
-// shadows by a toe. Near lamps and gloss bend what photometric stereo sees into anything, also into curves
+// shadows by a toe. Near lights and gloss bend what photometric stereo sees into anything, also into curves
 // that have one stored value for nearly all light.
 bool is_of_a_camera(const Transfer& curve) {
     constexpr int steps = 64;
@@ -192,7 +192,7 @@ std::string open_choice(const Stack& stack, const TransferEstimate& e) {
             fmt::format("{}{} ({:.0f} %, {:.1f} degrees)", others.empty() ? "" : ", ",
                         candidate.transfer.name(), 100 * candidate.probability, candidate.slopes_change_deg);
     return fmt::format(
-        "{}: how the photographs are stored is open: taken as {}, but they, and lamps that stand as these "
+        "{}: how the photographs are stored is open: taken as {}, but they, and lights that stand as these "
         "do, "
         "allow as well {} (probability, and by how much the slopes of the middling pixel would change); say "
         "what it is with --transfer linear, srgb or a gamma such as 2.2",
@@ -200,7 +200,7 @@ std::string open_choice(const Stack& stack, const TransferEstimate& e) {
 }
 
 // Whether it matters which curve is taken, and is open. Gammas of somebody's own are no part of that: a free
-// exponent takes up what gloss makes of the lamps' strengths, and few files have one.
+// exponent takes up what gloss makes of the lights' strengths, and few files have one.
 void tell_of_open_choice(const Stack& stack, TransferEstimate& e) {
     double all = 0, other_slopes = 0, other_colours = 0;
     for (const auto& candidate : e.candidates) {

@@ -28,10 +28,10 @@ struct TransferEstimate {
 // The curve given in stack.transfer; linear for files of floats; else the most probable one of linear, sRGB
 // and gamma 2.2 (transfer_evidence.h); another gamma where it fits clearly better than all three, and a
 // smooth curve where that fits far better than any gamma. Each photograph may have light of its own strength,
-// which may fall off over the picture: so lamps that differ, or are near, do not pass for a curve.
+// which may fall off over the picture: so lights that differ, or are near, do not pass for a curve.
 TransferEstimate estimate_transfer(const Stack& stack, const Survey& survey);
 
-// Whether the photographs contradict what files state, `estimated` being what they look like. Near lamps,
+// Whether the photographs contradict what files state, `estimated` being what they look like. Near lights,
 // metal and high relief bend what photometric stereo sees through, and what files state is right ten times
 // as often as not.
 bool speaks_against(const Transfer& stated, const TransferEstimate& estimated, const Stack& stack,

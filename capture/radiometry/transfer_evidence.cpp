@@ -18,22 +18,22 @@ constexpr std::size_t kGroups = 8;      // of photographs, each left out in turn
 constexpr double kUnknowns = 3;         // of matt reflection, a pixel
 // ln of residuals by which the true curve may fit worse than another, as gloss, shadows and light between
 // relief make it, and what is added where one photograph more than pixels have unknowns is all there is. Rms
-// of 76 generated stacks in four encodings (lamps in one ring at 30 to 60 degrees, domes, near and unequal
-// lamps; matt, glossy, gilded; linear to gamma 2.2): 0.07 with 8 lamps in a ring and more, 0.15 with 5. Of 84
-// others, with room light and grounds of gold: 0.13 with 8, 0.10 with 12, 0.19 with 16, 0.09 with 24, 0.05
+// of 76 generated stacks in four encodings (lights in one ring at 30 to 60 degrees, domes, near and unequal
+// lights; matt, glossy, gilded; linear to gamma 2.2): 0.07 with 8 lights in a ring and more, 0.15 with 5. Of
+// 84 others, with room light and grounds of gold: 0.13 with 8, 0.10 with 12, 0.19 with 16, 0.09 with 24, 0.05
 // with 40.
 constexpr double kMisfit = 0.12, kMisfitOfFew = 0.25;
-// [1] What gloss and light from all around make of ln strengths, as stored, even of lamps that are equal.
-constexpr double kEqualLamps = 0.06;
-// Lamps side by side share what is wrong with them: each counts for a part of one, and beyond so many more
+// [1] What gloss and light from all around make of ln strengths, as stored, even of lights that are equal.
+constexpr double kEqualLights = 0.06;
+// Lights side by side share what is wrong with them: each counts for a part of one, and beyond so many more
 // say no more.
-constexpr double kWorthOfLamp = 0.3, kMostLamps = 30;
-// [1] d ln strength / d ln l.z: of rigs, whose lamps are alike; of a lamp that is carried, which is held
-// nearer or farther where it is low; and of what is mostly metal, which shines under high lamps: 1.2 to 1.9
+constexpr double kWorthOfLight = 0.3, kMostViewLights = 30;
+// [1] d ln strength / d ln l.z: of rigs, whose lights are alike; of a light that is carried, which is held
+// nearer or farther where it is low; and of what is mostly metal, which shines under high lights: 1.2 to 1.9
 // in four generated stacks with a ground of gold over two thirds. Metal is taken for one picture in ten: a
 // guess.
 constexpr double kTrendOfRig = 0.05, kTrendOfCarried = 0.3, kTrendOfMetal = 1.5, kMostlyMetal = 0.1;
-constexpr double kLeastHeights = 0.03;  // [1] scatter of ln l.z: below, lamps stand in one ring
+constexpr double kLeastHeights = 0.03;  // [1] scatter of ln l.z: below, lights stand in one ring
 // What files of these kinds, without metadata, are beforehand: published sets of photographs for relighting
 // are linear light in JPEG as well as sRGB; a gamma of 1.8 was that of a system and of two colour spaces;
 // others are somebody's own.
@@ -135,15 +135,15 @@ double sigma_of(const TransferTrial& a, const TransferTrial& b) {
 
 double density(double value, double sigma) { return std::exp(-value * value / (2 * sigma * sigma)) / sigma; }
 
-// How likely the lamps' strengths are, as a curve has them: as equal as they turn out to be, half of all rigs
-// with lamps that are alike.
-double log_evidence_of_lamps(const TransferTrial& trial, double lamps) {
-    const double own = std::hypot(trial.strength_scatter, kEqualLamps);
+// How likely the lights' strengths are, as a curve has them: as equal as they turn out to be, half of all
+// rigs with lights that are alike.
+double log_evidence_of_lights(const TransferTrial& trial, double lights) {
+    const double own = std::hypot(trial.strength_scatter, kEqualLights);
     const double trend =
         (1 - kMostlyMetal) / 2 *
             (density(trial.strength_trend, kTrendOfRig) + density(trial.strength_trend, kTrendOfCarried)) +
         kMostlyMetal * density(trial.strength_trend, kTrendOfMetal);
-    return -lamps * std::log(own) + std::log(trend + 1e-12);
+    return -lights * std::log(own) + std::log(trend + 1e-12);
 }
 
 }  // namespace
@@ -174,13 +174,13 @@ void weigh(std::vector<TransferTrial>& trials, const Stack& stack) {
         [](const TransferTrial& a, const TransferTrial& b) { return a.residual < b.residual; });
     const double photos = static_cast<double>(stack.photos.size());
     const double misfit = kMisfit + kMisfitOfFew / std::max(photos - kUnknowns, 1.0);
-    const double lamps = std::clamp(kWorthOfLamp * (photos - 2), 0.0, kMostLamps);
+    const double lights = std::clamp(kWorthOfLight * (photos - 2), 0.0, kMostViewLights);
     const bool heights = stand_at_several_heights(stack);
     double most = -1e300;
     for (TransferTrial& trial : trials) {
         const double worse = std::log(std::max(trial.residual, 1e-9) / std::max(best.residual, 1e-9)) /
                              std::hypot(misfit, sigma_of(trial, best));
-        trial.log_evidence = -worse * worse / 2 + (heights ? log_evidence_of_lamps(trial, lamps) : 0);
+        trial.log_evidence = -worse * worse / 2 + (heights ? log_evidence_of_lights(trial, lights) : 0);
         most = std::max(most, trial.log_evidence);
     }
     double sum = 0;

@@ -1,9 +1,9 @@
 // transfer_evidence.h: what photographs say for and against each transfer curve that they may have been
 // stored with, and how much of it.
 //
-// Of photographs under lamps of any strength, the shading of a pixel tells a curve to second order only: to
+// Of photographs under lights of any strength, the shading of a pixel tells a curve to second order only: to
 // first order a gamma makes slopes of another size, and albedos and strengths are as free. In one ring of
-// lamps, what the second order shows is gloss and interreflection as much as the curve. Lamps at several
+// lights, what the second order shows is gloss and interreflection as much as the curve. Lights at several
 // heights tell more: read with a wrong curve, equally strong ones seem the stronger the higher they stand,
 // and scatter about that. So both are weighed, each by what it is known to be wrong by, with what is likely
 // of files beforehand (Bayes).
@@ -18,11 +18,11 @@ namespace tangi {
 
 struct TransferTrial {
     Transfer transfer;
-    // [1] Robust residual of matt reflection in the stored encoding, under lamps of any strength; and if
-    // surfaces are found as if lamps were equally strong.
+    // [1] Robust residual of matt reflection in the stored encoding, under lights of any strength; and if
+    // surfaces are found as if lights were equally strong.
     double residual = 0, equal_residual = 0;
     std::vector<double> partial{};  // of it, with some photographs left out in turn
-    double strength_scatter = 0;    // [1] robust, of ln strength of the lamps, as stored (over the gamma)
+    double strength_scatter = 0;    // [1] robust, of ln strength of the lights, as stored (over the gamma)
     double strength_trend = 0;      // [1] d ln strength / d ln l.z
     std::vector<Vec3> normals{};    // of the samples; 0 where unknown
     double log_evidence = 0;        // ln of how likely the photographs are, but for a constant of all trials

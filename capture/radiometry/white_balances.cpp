@@ -28,7 +28,7 @@ constexpr double kMatters = 0.03;
 // matters, surely: 2.5 left no cast of 168 generated stacks silent and told none of 56 without (matt to
 // gilded, 8 to 40 lights, JPEG of quality 75 and up; 2 told one, 3 left two silent).
 constexpr double kCastSigmas = 4, kSureSigmas = 2.5;
-// [1] ln: bronze and gold give lamps such colours, which are no cast of the photograph.
+// [1] ln: bronze and gold give lights such colours, which are no cast of the photograph.
 constexpr double kLeastUndone = 0.1;
 // [1] Of what a pixel usually has of its photograph's light: less is shadow, lit from around; more is
 // highlight, and half as much again is as much as a veil may add (kMostVeil).
@@ -101,7 +101,7 @@ Parts polished(const Ratios& r) {
 }
 
 // The value that half of the photographs or more share, in both channels; of equally many, that of the first
-// of them. Where no half agrees, lamps of all colours, their mean: what a light that no photograph had is
+// of them. Where no half agrees, lights of all colours, their mean: what a light that no photograph had is
 // likeliest to be.
 dvec2 common_value(const std::vector<dvec3>& photos) {
     dvec2 best(0);
@@ -264,8 +264,8 @@ WhiteBalances white_balances(const ColourSamples& samples, std::span<const Light
             result.photos[i] = judged(ratios, beside, i, lights.empty() ? kUsualLight : lights[i].direction);
     });
     refer_to_most(result.photos);
-    // Lamps of as many colours: none is the one that a photograph to come would have, and what undoes them in
-    // these makes others worse predicted.
+    // Lights of as many colours: none is the one that a photograph to come would have, and what undoes them
+    // in these makes others worse predicted.
     const bool no_most = 2 * static_cast<std::size_t>(result.differing()) > result.photos.size();
     for (WhiteBalance& photo : result.photos) {
         const double size = std::max(std::abs(photo.log_gain.x), std::abs(photo.log_gain.y));
@@ -360,15 +360,15 @@ std::string warning_of(const WhiteBalances& balances, std::span<const std::strin
                     std::exp(b.log_gain.y) * b.sigma.y);
     if (differing == 0)
         return fmt::format(
-            "{}: colours change from photograph to photograph in {} of {}, most in {}; lamps of several "
+            "{}: colours change from photograph to photograph in {} of {}, most in {}; lights of several "
             "colours, a second light, metal and gloss look like that, so it is not undone",
             where, unclear, balances.photos.size(), by);
     const bool no_most = 2 * static_cast<std::size_t>(differing) > balances.photos.size();
     return fmt::format(
-        "{}: the white balance, or the colour of the lamps, changes from photograph to photograph: {} of {} "
+        "{}: the white balance, or the colour of the lights, changes from photograph to photograph: {} of {} "
         "differ from {}, most of all {}; {}. Photograph with a fixed white balance{}",
         where, differing, balances.photos.size(), no_most ? "the mean, since no half is alike" : "most", by,
-        remedy, no_most ? ", and lamps of one colour" : "");
+        remedy, no_most ? ", and lights of one colour" : "");
 }
 
 nlohmann::json to_json(const WhiteBalances& balances, std::span<const std::string> names, bool all) {

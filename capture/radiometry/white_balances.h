@@ -1,7 +1,7 @@
 // white_balances.h: the colour of the light in each photograph beside that of the others: a white balance
-// that the camera chose anew, lamps of several colours.
+// that the camera chose anew, lights of several colours.
 //
-// What matt paint sends back has, in each channel, the paint's reflectance times the lamp's light times the
+// What matt paint sends back has, in each channel, the paint's reflectance times the light's light times the
 // camera's gain, whatever its slope: ln(red / green) and ln(blue / green) of a pixel are a number of the
 // pixel plus one of the photograph. A veil of gloss adds white light: it changes these numbers the more, the
 // darker and the more coloured a pixel is, and those of a neutral one not at all. Both are told apart by a
@@ -27,7 +27,8 @@ struct WhiteBalance {
     glm::dvec2 uneven_sigma{0};  // how large that is without any second light
     int samples = 0;             // that tell it
     bool differs = false;        // beyond its errors, and by more than matters: to be undone
-    // Told only: pixels disagree by how much, metal does as much, or lamps have as many colours as there are.
+    // Told only: pixels disagree by how much, metal does as much, or lights have as many colours as there
+    // are.
     bool unclear = false;
 
     // [1] By which the photograph's channels are to be divided to be as the others; 1 where it doesn't
@@ -42,13 +43,13 @@ struct WhiteBalances {
 
     Rgb gain(std::size_t photo) const { return photo < photos.size() ? photos[photo].gain() : Rgb(1); }
     // Beside photographs of which these were measured before, as those of a chart, which knows the colour of
-    // every lamp; nothing changes where both say the same of what most have in common.
+    // every light; nothing changes where both say the same of what most have in common.
     void refer_to(std::span<const std::optional<glm::dvec2>> log_gains);
     int differing() const;
     int unclear() const;
 };
 
-// Linear light of samples (pixels, patches) under each photograph's lamp: [sample][photo], NaN in a channel
+// Linear light of samples (pixels, patches) under each photograph's light: [sample][photo], NaN in a channel
 // where it is not to be used. `part`: of each sample, 0 to 3, where in the picture it lies.
 struct ColourSamples {
     std::size_t photos = 0;
@@ -57,7 +58,7 @@ struct ColourSamples {
 };
 
 // By alternating medians (Tukey 1977, median polish), then robust lines. What half of the photographs or more
-// have in common is 0; of equally many, what the first has; where no half agrees, lamps of all colours, the
+// have in common is 0; of equally many, what the first has; where no half agrees, lights of all colours, the
 // mean. `lights`: of the photographs, which tell how strong gloss may be; from 45 degrees where empty.
 WhiteBalances white_balances(const ColourSamples& samples, std::span<const Light> lights = {});
 

@@ -62,7 +62,7 @@ public:
     };
     // Of these pictures, each predicted from those that are not among them. Nothing where relief is not told
     // from motion, or nothing like it is in the picture.
-    std::vector<std::optional<ShownLight>> shown_lights(const std::vector<std::size_t>& of);
+    std::vector<std::optional<ShownLight>> per_photo_lights(const std::vector<std::size_t>& of);
 
     // [1] Contrast that three terms of the light leave unexplained at the pixels that are looked at, where
     // the pictures lie as they do: rms of the pictures in the model, of which there are 4 or more, over what

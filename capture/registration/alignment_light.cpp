@@ -55,7 +55,7 @@ double correlation_under(const std::vector<LitSample>& samples, const Eigen::Vec
 
 }  // namespace
 
-std::vector<std::optional<Alignment::ShownLight>> Alignment::shown_lights(
+std::vector<std::optional<Alignment::ShownLight>> Alignment::per_photo_lights(
     const std::vector<std::size_t>& of) {
     std::vector<std::optional<ShownLight>> shown(of.size());
     const std::vector<bool> before = in_model_;

@@ -28,8 +28,9 @@ constexpr double kZoomSigma = 0.01;
 constexpr float kClear = 0.02f;  // [1 per pixel] mean edge that is worth following
 constexpr int kTurns = 3;        // of the template, at most
 // [standard deviations of chance] by which the median photograph agrees with the others, for a photograph to
-// be missed that does so by a quarter of it: a rock among grey balls of which all of the background is alike
-// has 1.8 of 9.8, the least of any photograph of canvas, coin, door, fresco, icon and leaf 12.7 of 27.6.
+// be missed that does so by a quarter of it: a rock among grey spheres of which all of the background is
+// alike has 1.8 of 9.8, the least of any photograph of canvas, coin, door, fresco, icon and leaf 12.7
+// of 27.6.
 constexpr double kBeyondChance = 5, kAsMuchByChance = 0.25;
 constexpr int kElsewhere = 24;     // places where a photograph is laid to see what chance makes
 constexpr double kSettled = 0.01;  // [pixels] change of every drift below which another turn is no use
@@ -96,10 +97,10 @@ std::vector<TemplatePixel> template_pixels(const Directions& mean, const dvec2& 
     return pixels;
 }
 
-// CameraShake::to_photo() for many pixels.
+// CameraMotion::to_photo() for many pixels.
 class ToPhoto {
 public:
-    ToPhoto(const CameraShake& drift, const dvec2& centre)
+    ToPhoto(const CameraMotion& drift, const dvec2& centre)
         : cosine_(drift.zoom * std::cos(drift.roll_rad)),
           sine_(drift.zoom * std::sin(drift.roll_rad)),
           centre_(centre),
@@ -117,7 +118,7 @@ private:
 
 // Moves `drift` until the photograph agrees best with the template; its zoom only where it may.
 void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
-            bool zooms, CameraShake& drift) {
+            bool zooms, CameraMotion& drift) {
     for (int iteration = 0; iteration < 15; ++iteration) {
         // The photograph's edges may be stronger or weaker as a whole.
         double cross = 0, square = 0;
@@ -168,7 +169,7 @@ void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, c
     }
 }
 
-Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraShake>& drifts,
+Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraMotion>& drifts,
                    const dvec2& centre) {
     Directions mean{cv::Mat::zeros(all[0].cosine.size(), CV_32F),
                     cv::Mat::zeros(all[0].cosine.size(), CV_32F)};
@@ -191,7 +192,7 @@ Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraS
 // [1] Correlation of a photograph's edges with the template of `count` photographs less its own part in it,
 // where the drift and an offset lay them on each other.
 double agreement_of(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
-                    CameraShake drift, std::size_t count, const dvec2& offset = {0, 0}) {
+                    CameraMotion drift, std::size_t count, const dvec2& offset = {0, 0}) {
     drift.shift_px += offset;
     const ToPhoto to_photo(drift, centre);
     const double own = offset == dvec2(0) ? 1 / static_cast<double>(count) : 0;
@@ -225,7 +226,7 @@ struct Chance {
     double mean = 0, sigma = 0;
 };
 Chance chance_of(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
-                 const CameraShake& drift, std::size_t count) {
+                 const CameraMotion& drift, std::size_t count) {
     double sum = 0, squares = 0;
     for (int k = 0; k < kElsewhere; ++k) {
         const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));  // golden: all around
@@ -239,7 +240,7 @@ Chance chance_of(const Directions& photo, const std::vector<TemplatePixel>& pixe
 }
 
 void find_strange(const std::vector<Directions>& all, const std::vector<TemplatePixel>& pixels,
-                  const dvec2& centre, std::vector<CameraShake>& drifts) {
+                  const dvec2& centre, std::vector<CameraMotion>& drifts) {
     if (all.size() < kFewestToTellStrays) return;
     std::vector<double> correlations(all.size()), strengths(all.size()), beyond_chance(all.size());
     parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
@@ -263,10 +264,10 @@ void find_strange(const std::vector<Directions>& all, const std::vector<Template
 
 // Whether the zooms displace the photographs by more than lights do that go round: 0.1 pixels (rms) of
 // generated paintings whose camera did not zoom, 0.4 where it did, by 1.2 % from the first to the last.
-bool zooms_by_more(const std::vector<CameraShake>& drifts, const dvec2& centre) {
+bool zooms_by_more(const std::vector<CameraMotion>& drifts, const dvec2& centre) {
     double squares = 0;
-    for (const CameraShake& d : drifts) {
-        const double by = CameraShake{.zoom = d.zoom}.displacement_px(centre);
+    for (const CameraMotion& d : drifts) {
+        const double by = CameraMotion{.zoom = d.zoom}.displacement_px(centre);
         squares += by * by / static_cast<double>(drifts.size());
     }
     return std::sqrt(squares) > kMoved;
@@ -274,25 +275,25 @@ bool zooms_by_more(const std::vector<CameraShake>& drifts, const dvec2& centre) 
 
 }  // namespace
 
-dvec2 CameraShake::to_photo(const dvec2& pixel, const dvec2& centre) const {
+dvec2 CameraMotion::to_photo(const dvec2& pixel, const dvec2& centre) const {
     return ToPhoto(*this, centre)(pixel);
 }
 
-dvec2 CameraShake::to_common(const dvec2& pixel, const dvec2& centre) const {
+dvec2 CameraMotion::to_common(const dvec2& pixel, const dvec2& centre) const {
     const dvec2 d = (pixel - shift_px - centre) / zoom;
     const double c = std::cos(roll_rad), s = std::sin(roll_rad);
     return centre + dvec2(c * d.x + s * d.y, -s * d.x + c * d.y);
 }
 
-double CameraShake::displacement_px(const dvec2& centre) const {
+double CameraMotion::displacement_px(const dvec2& centre) const {
     // Of the distance from the centre, the mean square over a rectangle is a third of the corners'.
     const double turned = zoom * zoom + 1 - 2 * zoom * std::cos(roll_rad);
     return std::sqrt(glm::dot(shift_px, shift_px) + turned * glm::dot(centre, centre) / 3);
 }
 
-CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
+CameraMotions find_camera_motions(const GreyPhotos& photos, const Progress& progress) {
     const std::size_t count = photos.mean.size();
-    CameraShakes result;
+    CameraMotions result;
     result.photos.resize(count);
     const Image<float>& first = photos.mean.front();
     if (count < 2 || first.width() < 32 || first.height() < 32) return result;
@@ -308,43 +309,43 @@ CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
         for (int turn = 0; turn < kTurns; ++turn) {
             report(progress, "drift", (turn + (blur > 2 ? 0 : kTurns)) / (2.0 * kTurns));
             const auto pixels = template_pixels(mean_of(all, result.photos, centre), centre);
-            if (pixels.size() < 500) return {.photos = std::vector<CameraShake>(count)};
-            const std::vector<CameraShake> before = result.photos;
+            if (pixels.size() < 500) return {.photos = std::vector<CameraMotion>(count)};
+            const std::vector<CameraMotion> before = result.photos;
             parallel_for(0, static_cast<int>(count), 1, [&](int begin, int end) {
                 for (int i = begin; i < end; ++i)
                     follow(all[static_cast<std::size_t>(i)], pixels, centre, zooms,
                            result.photos[static_cast<std::size_t>(i)]);
             });
             std::vector<double> x, y, roll, zoom;
-            for (const CameraShake& d : result.photos) {
+            for (const CameraMotion& d : result.photos) {
                 x.push_back(d.shift_px.x);
                 y.push_back(d.shift_px.y);
                 roll.push_back(d.roll_rad);
                 zoom.push_back(d.zoom);
             }
-            for (CameraShake& d : result.photos) {
+            for (CameraMotion& d : result.photos) {
                 d.shift_px -= dvec2(median(x), median(y));
                 d.roll_rad -= median(roll);
                 d.zoom /= median(zoom);
             }
             double change = 0;
             for (std::size_t i = 0; i < count; ++i)
-                change = std::max(change, CameraShake{result.photos[i].shift_px - before[i].shift_px,
-                                                      result.photos[i].roll_rad - before[i].roll_rad,
-                                                      result.photos[i].zoom / before[i].zoom}
+                change = std::max(change, CameraMotion{result.photos[i].shift_px - before[i].shift_px,
+                                                       result.photos[i].roll_rad - before[i].roll_rad,
+                                                       result.photos[i].zoom / before[i].zoom}
                                               .displacement_px(centre));
             if (change < kSettled) break;  // another template would be the same
         }
         if (blur > 2 && !zooms_by_more(result.photos, centre)) {
             zooms = false;
-            for (CameraShake& d : result.photos) d.zoom = 1;
+            for (CameraMotion& d : result.photos) d.zoom = 1;
         }
         if (blur < 2)
             find_strange(all, template_pixels(mean_of(all, result.photos, centre), centre), centre,
                          result.photos);
     }
     double squares = 0, counted = 0;
-    for (CameraShake& d : result.photos) {
+    for (CameraMotion& d : result.photos) {
         if (d.strange) {
             d = {.agreement = d.agreement, .strange = true};
             continue;
@@ -357,8 +358,8 @@ CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress) {
     result.moved = std::sqrt(squares) > kMoved;
     result.rms_px = std::sqrt(squares) * photos.reduction;
     // The first photograph's frame is the common one: a pixel goes there, then to the photograph.
-    const CameraShake reference = result.photos.front();
-    for (CameraShake& d : result.photos) {
+    const CameraMotion reference = result.photos.front();
+    for (CameraMotion& d : result.photos) {
         const dvec2 middle = d.to_photo(reference.to_common(centre, centre), centre);
         d.roll_rad -= reference.roll_rad;
         d.zoom /= reference.zoom;

@@ -11,7 +11,7 @@ namespace tangi {
 
 // Takes a pixel of the common frame (that of the first photograph) to that of one photograph: turned by
 // roll_rad around the picture's centre (from x towards y, y down) and enlarged from there, then shifted.
-struct CameraShake {
+struct CameraMotion {
     glm::dvec2 shift_px{0, 0};
     double roll_rad = 0;
     double zoom = 1;      // [1]
@@ -29,8 +29,8 @@ struct CameraShake {
     double displacement_px(const glm::dvec2& centre) const;
 };
 
-struct CameraShakes {
-    std::vector<CameraShake> photos;
+struct CameraMotions {
+    std::vector<CameraMotion> photos;
     double rms_px = 0;   // of the displacements from their median, over the picture, all photographs
     bool moved = false;  // false: within the noise, or nothing to hold on to; all drifts are zero then
 };
@@ -39,6 +39,6 @@ struct CameraShakes {
 // photograph and its mean over all (Lucas, Kanade 1981; inverse compositional, Baker, Matthews 2004). Good
 // for drifts of a few pixels of the reduced photographs. A tilt of the camera is not sought: between
 // photographs of one sitting it shows as a shift.
-CameraShakes camera_shakes(const GreyPhotos& photos, const Progress& progress = {});
+CameraMotions find_camera_motions(const GreyPhotos& photos, const Progress& progress = {});
 
 }  // namespace tangi

@@ -47,8 +47,8 @@ struct CircleSearch {
 std::vector<Circle> find_circles(const EdgeField& field, const CircleSearch& search);
 
 // [1] Part of the circle's outline in the picture that has an edge along it, less what lies around it in
-// parallel: a ball mirrors its surroundings in rings, and its outline is the outermost of them. 0 where less
-// than half of it is in the picture.
+// parallel: a sphere mirrors its surroundings in rings, and its outline is the outermost of them. 0 where
+// less than half of it is in the picture.
 double outline_score(const EdgeField& field, const glm::dvec2& centre, double radius);
 
 }  // namespace tangi

@@ -152,7 +152,8 @@ Registration camera_motions(const AlignedStack& stack, const Alignment& alignmen
         d.registered = found[i];
         d.correlation = picture.correlation;
         d.model = picture.last.model;
-        if (stack.lights[i] != glm::dvec3(stack.photos[i]->light.direction)) d.shown_light = stack.lights[i];
+        if (stack.lights[i] != glm::dvec3(stack.photos[i]->light.direction))
+            d.per_photo_light = stack.lights[i];
         d.homography = normalised(without_shading(i) * back);
         if (all_moved && i == reference) d.homography = Homography(1);
         d.drift_px = rms_displacement(motion_of(d.homography, stack.frame));

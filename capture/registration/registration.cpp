@@ -201,9 +201,9 @@ private:
         if (doubtful.empty()) return false;
         std::vector<Homography> before;
         for (const std::size_t i : doubtful) before.push_back(alignment.pictures[i].homography);
-        const auto moved = alignment.shown_lights(doubtful);
+        const auto moved = alignment.per_photo_lights(doubtful);
         for (const std::size_t i : doubtful) alignment.pictures[i].homography = Homography(1);
-        const auto still = alignment.shown_lights(doubtful);
+        const auto still = alignment.per_photo_lights(doubtful);
         bool any = false;
         for (std::size_t k = 0; k < doubtful.size(); ++k) {
             const std::size_t i = doubtful[k];
@@ -283,7 +283,7 @@ private:
                 stack_.folder.string(), lost.size(), photos_count(result), result.reference,
                 joined(lost, lost.size()));
         stack_.warnings.push_back(fmt::format(
-            "{}: left out {} photograph{} that cannot be registered to {}: {}", stack_.folder.string(),
+            "{}: rejected {} photograph{} that cannot be registered to {}: {}", stack_.folder.string(),
             lost.size(), lost.size() == 1 ? "" : "s", result.reference, joined(lost, lost.size())));
     }
 

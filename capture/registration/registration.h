@@ -62,7 +62,7 @@ struct PhotoDrift {
     double correlation = 0;  // [1] with what the other photographs predict
     // [unit vector] The light that it shows and was registered under, where that is clearly not the listed
     // one.
-    std::optional<glm::dvec3> shown_light{};
+    std::optional<glm::dvec3> per_photo_light{};
 };
 
 struct Registration {

@@ -15,9 +15,10 @@ nlohmann::json to_json(const Registration& registration) {
                  {"standard_error_px", d.error_px},
                  {"model", name_of(d.model)},
                  {"correlation", d.correlation},
-                 {"shown_light", d.shown_light
-                                     ? nlohmann::json({d.shown_light->x, d.shown_light->y, d.shown_light->z})
-                                     : nlohmann::json(nullptr)},
+                 {"per_photo_light",
+                  d.per_photo_light
+                      ? nlohmann::json({d.per_photo_light->x, d.per_photo_light->y, d.per_photo_light->z})
+                      : nlohmann::json(nullptr)},
                  {"homography",
                   {{h[0].x, h[1].x, h[2].x}, {h[0].y, h[1].y, h[2].y}, {h[0].z, h[1].z, h[2].z}}}});
         }

@@ -7,7 +7,7 @@
 
 namespace tangi {
 
-// A camera does not know where the lamp is. Apparent motion that is a smooth function of the light's
+// A camera does not know where the light is. Apparent motion that is a smooth function of the light's
 // direction is what highlights and shadows do; of a camera's motion, such functions take up only their share.
 struct SharedShading {
     std::vector<glm::dvec2> of_photo;  // [pixels] the smooth part, its mean left out

@@ -19,11 +19,11 @@ using glm::dvec4;
 
 namespace {
 
-constexpr double kInner = 0.93;  // [1] of the radius: outside, a pixel is not of the ball alone
+constexpr double kInner = 0.93;  // [1] of the radius: outside, a pixel is not of the sphere alone
 constexpr double kLit = 0.12;    // n.l from which on a normal is taken for lit, clear of the terminator
-constexpr double kPatchPx = 25;  // pixels that count as one independent sample: the ball's own texture
+constexpr double kPatchPx = 25;  // pixels that count as one independent sample: the sphere's own texture
 constexpr double kLargestMattResidual = 0.15;
-constexpr double kClearResidual = 0.04;  // of a matt ball that nobody spoke of
+constexpr double kClearResidual = 0.04;  // of a diffuse sphere that nobody spoke of
 constexpr double kClearOutline = 0.25;   // [1] part of its outline that shows
 
 struct Sample {
@@ -31,16 +31,16 @@ struct Sample {
     double value = 0;
 };
 
-std::vector<Sample> samples_of(const BallCrops& crops, std::size_t photo, const BallImage& ball,
-                               const BallCamera& camera, const Transfer& transfer) {
+std::vector<Sample> samples_of(const SphereCrops& crops, std::size_t photo, const SphereImage& sphere,
+                               const SphereCamera& camera, const Transfer& transfer) {
     std::vector<Sample> samples;
     for (int y = crops.region.y0; y < crops.region.y1; ++y)
         for (int x = crops.region.x0; x < crops.region.x1; ++x) {
             const float stored = crops.photos[photo](x - crops.region.x0, y - crops.region.y0);
             if (stored >= kClipped) continue;
             const dvec2 place = crops.to_common(photo, dvec2(x, y));
-            if (outside_px(ball, camera, place) > (kInner - 1) * ball.radius_px) continue;
-            if (const auto point = ball_point(ball, camera, place))
+            if (outside_px(sphere, camera, place) > (kInner - 1) * sphere.radius_px) continue;
+            if (const auto point = sphere_point(sphere, camera, place))
                 samples.push_back({point->normal, transfer.decode(stored)});
         }
     return samples;
@@ -57,14 +57,14 @@ struct Quality {
     int shaded = 0;
 };
 
-Quality shade_all(const BallCrops& crops, const BallImage& ball, const BallCamera& camera,
+Quality shade_all(const SphereCrops& crops, const SphereImage& sphere, const SphereCamera& camera,
                   const Transfer& transfer, std::vector<std::optional<MattShading>>& shadings) {
     Quality quality;
     double sum = 0;
     shadings.clear();
     for (std::size_t i = 0; i < crops.photos.size(); ++i) {
-        shadings.push_back(shading_of(crops, i, ball, camera, transfer));
-        if (!shadings.back() || !(shadings.back()->direction.z > 0)) continue;  // lamps stand in front
+        shadings.push_back(shading_of(crops, i, sphere, camera, transfer));
+        if (!shadings.back() || !(shadings.back()->direction.z > 0)) continue;  // lights stand in front
         ++quality.shaded;
         sum += shadings.back()->residual;
     }
@@ -89,9 +89,9 @@ std::vector<Circle> candidates(const EdgeField& field, const GreyPhotos& photos)
 
 }  // namespace
 
-std::optional<MattShading> shading_of(const BallCrops& crops, std::size_t photo, const BallImage& ball,
-                                      const BallCamera& camera, const Transfer& transfer) {
-    const std::vector<Sample> samples = samples_of(crops, photo, ball, camera, transfer);
+std::optional<MattShading> shading_of(const SphereCrops& crops, std::size_t photo, const SphereImage& sphere,
+                                      const SphereCamera& camera, const Transfer& transfer) {
+    const std::vector<Sample> samples = samples_of(crops, photo, sphere, camera, transfer);
     if (samples.size() < 50) return std::nullopt;
     std::vector<double> sorted;
     for (const Sample& sample : samples) sorted.push_back(sample.value);
@@ -136,7 +136,7 @@ std::optional<MattShading> shading_of(const BallCrops& crops, std::size_t photo,
     if (!(shading.brightness > 0)) return std::nullopt;
     shading.direction = dvec3(fit) / shading.brightness;
     shading.ambient = fit.w;
-    // What shows no shade is no ball under a lamp.
+    // What shows no shade is no sphere under a light.
     if (std::abs(shading.ambient) > 0.5 * shading.brightness || shading.brightness < 10 * crops.step)
         return std::nullopt;
     shading.residual = sigma / std::max(shading.brightness, bright);
@@ -147,20 +147,20 @@ std::optional<MattShading> shading_of(const BallCrops& crops, std::size_t photo,
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) trace -= l[i] * inverse[i][j] * l[j];
     shading.sigma_rad = sigma * std::sqrt(kPatchPx * std::max(trace, 0.0) / 2) / shading.brightness;
-    // The normals are as wrong as the ball's place in the picture is.
+    // The normals are as wrong as the sphere's place in the picture is.
     shading.sigma_rad = std::hypot(
-        shading.sigma_rad, std::hypot(ball.centre_sigma_px, ball.radius_sigma_px / 2) / ball.radius_px);
+        shading.sigma_rad, std::hypot(sphere.centre_sigma_px, sphere.radius_sigma_px / 2) / sphere.radius_px);
     return shading;
 }
 
-MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
-                        const BallCamera& camera, std::span<const GivenBall> given,
-                        const std::optional<Transfer>& transfer, const Progress& progress) {
-    report(progress, "find balls", 0);
+DiffuseSphere find_diffuse_sphere(const PhotoSet& set, const GreyPhotos& photos, const CameraMotions& drifts,
+                                  const SphereCamera& camera, std::span<const GivenSphere> given,
+                                  const std::optional<Transfer>& transfer, const Progress& progress) {
+    report(progress, "find spheres", 0);
     const EdgeField field = edge_field(photos.mean, photos.step);
     std::vector<Circle> circles;
-    std::optional<BallImage> before;
-    MattBall best;
+    std::optional<SphereImage> before;
+    DiffuseSphere best;
     if (given.empty()) {
         circles = candidates(field, photos);
     } else {
@@ -171,33 +171,35 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
         before = before_of(given[0], circle.has_value(), contradiction);
         circles = {circle.value_or(Circle{given[0].centre_px, given[0].radius_px, 0})};
     }
-    report(progress, "find balls", 1);
-    std::vector<BallImage> images;
+    report(progress, "find spheres", 1);
+    std::vector<SphereImage> images;
     for (const Circle& circle : circles)
         images.push_back(
             {circle.centre_px, circle.radius_px, 0.02 * circle.radius_px, 0.02 * circle.radius_px});
-    std::vector<BallCrops> crops = read_ball_crops(set, photos, drifts, images, progress);
+    std::vector<SphereCrops> crops = read_sphere_crops(set, photos, drifts, images, progress);
     std::vector<Transfer> curves = {Transfer{}, {Transfer::Kind::srgb}, {Transfer::Kind::gamma, 2.2}};
     if (transfer) curves = {*transfer};
     double best_score = -1;
     for (std::size_t i = 0; i < circles.size(); ++i) {
-        FoundBall ball{.image = images[i],
-                       .circle = images[i],
-                       .before = before,
-                       .name = {},
-                       .given = !given.empty(),
-                       .crops = std::move(crops[i])};
+        FoundSphere sphere{.image = images[i],
+                           .circle = images[i],
+                           .before = before,
+                           .name = {},
+                           .given = !given.empty(),
+                           .crops = std::move(crops[i])};
         std::vector<std::string> notes = best.warnings;
-        if (!find_outline(ball, camera, given.empty() ? "" : given[0].text, notes) && given.empty()) continue;
-        MattBall candidate{.ball = std::move(ball),
-                           .transfer = {},
-                           .photos = {},
-                           .warnings = std::move(notes),
-                           .poor = best.poor};
+        if (!find_outline(sphere, camera, given.empty() ? "" : given[0].text, notes) && given.empty())
+            continue;
+        DiffuseSphere candidate{.sphere = std::move(sphere),
+                                .transfer = {},
+                                .photos = {},
+                                .warnings = std::move(notes),
+                                .poor = best.poor};
         Quality quality;
         for (const Transfer& curve : curves) {
             std::vector<std::optional<MattShading>> shadings;
-            const Quality q = shade_all(candidate.ball.crops, candidate.ball.image, camera, curve, shadings);
+            const Quality q =
+                shade_all(candidate.sphere.crops, candidate.sphere.image, camera, curve, shadings);
             if (q.shaded < quality.shaded || !(q.residual < quality.residual)) continue;
             quality = q;
             candidate.transfer = curve;
@@ -205,10 +207,10 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
         }
         if (2 * quality.shaded < static_cast<int>(set.size()) || quality.residual > kLargestMattResidual)
             continue;
-        // Of circles that shade alike the one with the clearest outline; a part of a ball shades as well as
+        // Of circles that shade alike the one with the clearest outline; a part of a sphere shades as well as
         // all of it.
         const double score =
-            (circles[i].score + 0.1) * candidate.ball.image.radius_px / (quality.residual + 0.02);
+            (circles[i].score + 0.1) * candidate.sphere.image.radius_px / (quality.residual + 0.02);
         if (score <= best_score) continue;
         best_score = score;
         candidate.residual = quality.residual;
@@ -216,23 +218,25 @@ MattBall find_matt_ball(const PhotoSet& set, const GreyPhotos& photos, const Cam
     }
     if (best_score < 0)
         fail(
-            "{}: no matt ball {} whose shading fits a lamp's; give it with --sphere X,Y,R (pixels from the "
+            "{}: no diffuse sphere {} whose shading fits a light's; give it with --sphere X,Y,R (pixels from "
+            "the "
             "top left)",
             set.folder().string(), given.empty() ? "found" : "at --sphere " + given[0].text);
-    const dvec2 at = best.ball.image.centre_px;
-    best.ball.name = fmt::format("matt ball at ({:.0f}, {:.0f})", at.x, at.y);
-    for (const GivenBall& more : given.subspan(std::min<std::size_t>(1, given.size())))
-        best.warnings.push_back(fmt::format("--sphere {}: only the first matt ball is used", more.text));
+    const dvec2 at = best.sphere.image.centre_px;
+    best.sphere.name = fmt::format("diffuse sphere at ({:.0f}, {:.0f})", at.x, at.y);
+    for (const GivenSphere& more : given.subspan(std::min<std::size_t>(1, given.size())))
+        best.warnings.push_back(fmt::format("--sphere {}: only the first diffuse sphere is used", more.text));
     return best;
 }
 
-std::optional<MattBall> clear_matt_ball(const PhotoSet& set, const GreyPhotos& photos,
-                                        const CameraShakes& drifts, const BallCamera& camera,
-                                        std::span<const GivenBall> given,
-                                        const std::optional<Transfer>& transfer) {
+std::optional<DiffuseSphere> clear_diffuse_sphere(const PhotoSet& set, const GreyPhotos& photos,
+                                                  const CameraMotions& drifts, const SphereCamera& camera,
+                                                  std::span<const GivenSphere> given,
+                                                  const std::optional<Transfer>& transfer) {
     try {
-        MattBall matt = find_matt_ball(set, photos, drifts, camera, given, transfer);
-        if (matt.residual > kClearResidual || matt.ball.outline_coverage < kClearOutline) return std::nullopt;
+        DiffuseSphere matt = find_diffuse_sphere(set, photos, drifts, camera, given, transfer);
+        if (matt.residual > kClearResidual || matt.sphere.outline_coverage < kClearOutline)
+            return std::nullopt;
         return matt;
     } catch (const Error&) {
         return std::nullopt;

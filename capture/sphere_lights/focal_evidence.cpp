@@ -77,20 +77,21 @@ std::string focal_text(const Known& inverse_focal) {
 }  // namespace
 
 Known MeasuredLengths::height() const {
-    const double radius = ball_radius_mm.value_or(1);
-    if (ball_height_mm && ball_radius_mm) return {*ball_height_mm, kHeightSigma * radius};
+    const double radius = sphere_radius_mm.value_or(1);
+    if (sphere_height_mm && sphere_radius_mm) return {*sphere_height_mm, kHeightSigma * radius};
     return {radius, radius};
 }
 
 std::optional<Known> MeasuredLengths::depth() const {
-    if (!ball_radius_mm || !camera_distance_mm) return std::nullopt;
+    if (!sphere_radius_mm || !camera_distance_mm) return std::nullopt;
     const Known high = height();
-    if (!(*camera_distance_mm > high.value + *ball_radius_mm))
+    if (!(*camera_distance_mm > high.value + *sphere_radius_mm))
         fail(
-            "--camera-distance-mm {:g}: balls of {:g} mm radius whose centres are {:g} mm above the painting "
+            "--camera-distance-mm {:g}: spheres of {:g} mm radius whose centres are {:g} mm above the "
+            "painting "
             "do not "
-            "fit between camera and painting; is the distance in millimetres, and --ball-height-mm?",
-            *camera_distance_mm, *ball_radius_mm, high.value);
+            "fit between camera and painting; is the distance in millimetres, and --sphere-height-mm?",
+            *camera_distance_mm, *sphere_radius_mm, high.value);
     return Known{*camera_distance_mm - high.value,
                  std::hypot(high.sigma, MeasuredLengths::kDistanceSigma * *camera_distance_mm)};
 }
@@ -98,7 +99,7 @@ std::optional<Known> MeasuredLengths::depth() const {
 std::optional<FocalEvidence> evidence_of_lengths(const MeasuredLengths& lengths, const Known& radius_px) {
     const std::optional<Known> depth = lengths.depth();
     if (!depth) return std::nullopt;
-    const double inverse = *lengths.ball_radius_mm / (radius_px.value * depth->value);
+    const double inverse = *lengths.sphere_radius_mm / (radius_px.value * depth->value);
     return FocalEvidence{
         FocalSource::lengths,
         {inverse, inverse * std::hypot(depth->sigma / depth->value, radius_px.sigma / radius_px.value)}};
@@ -186,16 +187,16 @@ std::string contradiction_of(const FocalVerdict& verdict, const MeasuredLengths&
             add("the focal length (--focal-px, --focal-35mm)", *lengths.focal_px, focal_text(*rest));
     const std::optional<Known> depth = lengths.depth();
     if (const auto rest = would_be(verdict, FocalSource::lengths); depth && rest && rest->value > 0) {
-        const double radius = *lengths.ball_radius_mm,
+        const double radius = *lengths.sphere_radius_mm,
                      deep = radius / (radius_px.value * rest->value);  // [mm] as the others say
         const double high = lengths.height().value;
         add("--camera-distance-mm", *lengths.camera_distance_mm, fmt::format("{:.0f}", deep + high));
-        add(lengths.ball_height_mm ? "--ball-height-mm" : "--ball-height-mm, taken to be", high,
+        add(lengths.sphere_height_mm ? "--sphere-height-mm" : "--sphere-height-mm, taken to be", high,
             fmt::format("{:.0f}", *lengths.camera_distance_mm - deep));
-        add("--ball-radius-mm", radius, fmt::format("{:.2f}", radius * depth->value / deep));
+        add("--sphere-radius-mm", radius, fmt::format("{:.2f}", radius * depth->value / deep));
     }
     return fmt::format(
-        "what is given contradicts what the photographs show: balls are seen with a radius of {:.1f} ± "
+        "what is given contradicts what the photographs show: spheres are seen with a radius of {:.1f} ± "
         "{:.1f} px; "
         "{}{}. Measure again; the stated errors allow for each of these being wrong",
         radius_px.value, radius_px.sigma, measured, given);

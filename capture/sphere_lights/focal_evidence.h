@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "capture/spheres/ball_geometry.h"
+#include "capture/spheres/sphere_geometry.h"
 
 namespace tangi {
 
-// What the user measured. Balls that lie on the painting's plane are as high as their radius: taken to be so,
-// to a radius, where the height was not given.
+// What the user measured. Spheres that lie on the painting's plane are as high as their radius: taken to be
+// so, to a radius, where the height was not given.
 struct MeasuredLengths {
     std::optional<double> focal_px{};
     static constexpr double kDistanceSigma = 0.003;  // [1] relative, of the camera's distance
     double focal_sigma = 0.003;                      // [1] relative
-    std::optional<double> ball_radius_mm{}, camera_distance_mm{}, ball_height_mm{};
+    std::optional<double> sphere_radius_mm{}, camera_distance_mm{}, sphere_height_mm{};
 
-    // [mm] Of the balls' centres above the painting's plane; without ball_radius_mm in radii.
+    // [mm] Of the spheres' centres above the painting's plane; without sphere_radius_mm in radii.
     Known height() const;
-    // [mm] Of the balls' centres below the camera; nothing without distance and radius. Throws Error where
+    // [mm] Of the spheres' centres below the camera; nothing without distance and radius. Throws Error where
     // that is not below.
     std::optional<Known> depth() const;
 };
@@ -37,8 +37,8 @@ struct FocalEvidence {
 // focal length = radius in pixels * depth / radius.
 std::optional<FocalEvidence> evidence_of_lengths(const MeasuredLengths& lengths, const Known& radius_px);
 
-// A ball seen at an angle t from the middle is 1 / cos t as long as wide. `elongation` is that less 1, found
-// at `offset_px` from the principal point. Nothing where it leaves every lens possible.
+// A sphere seen at an angle t from the middle is 1 / cos t as long as wide. `elongation` is that less 1,
+// found at `offset_px` from the principal point. Nothing where it leaves every lens possible.
 std::optional<FocalEvidence> evidence_of_outline(const Known& elongation, double offset_px,
                                                  double diagonal_px);
 
@@ -55,7 +55,7 @@ struct FocalVerdict {
     // [1/px] What else may be right: not what two others contradict, or what was measured in the photographs
     // does.
     std::vector<Known> alternatives() const;
-    // Whether camera distance, ball height and radius contradict the rest, be it a little.
+    // Whether camera distance, sphere height and radius contradict the rest, be it a little.
     bool doubts_lengths() const {
         return disagree.empty() ? uses(FocalSource::lengths) : !uses(FocalSource::lengths);
     }

@@ -20,9 +20,9 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr double kOnePlane = 0.05;     // [radii] standard error of how deep a ball lies among the others
-constexpr double kSharedError = 0.9;   // [1] of the smallest error of a radius, which all have in common
-constexpr double kFarAway = 30;        // [1] of the balls' distance, where lamps start whose rays do not meet
+constexpr double kOnePlane = 0.05;    // [radii] standard error of how deep a sphere lies among the others
+constexpr double kSharedError = 0.9;  // [1] of the smallest error of a radius, which all have in common
+constexpr double kFarAway = 30;  // [1] of the spheres' distance, where lights start whose rays do not meet
 constexpr double kInverseFocal = 1e3;  // the unit of 1 / focal length is 1 / 1000 px
 
 // A camera that looks down the z axis: [0] pixels for a mm at z = 0; [1] / 1000 px is 1 / focal length, with
@@ -46,10 +46,10 @@ struct HighlightError {
     MeasuredHighlight seen;
 
     template <class T>
-    bool operator()(const T* lamp, const T* ball, const T* camera, T* error) const {
+    bool operator()(const T* light, const T* sphere, const T* camera, T* error) const {
         T normal[3], point[3], pixel[2];
-        if (!mirror_normal(ball, T(radius_mm), lamp, inverse_distance(camera), normal)) return false;
-        for (int i = 0; i < 3; ++i) point[i] = ball[i] + radius_mm * normal[i];
+        if (!mirror_normal(sphere, T(radius_mm), light, inverse_distance(camera), normal)) return false;
+        for (int i = 0; i < 3; ++i) point[i] = sphere[i] + radius_mm * normal[i];
         project(camera, principal_px, point, pixel);
         error[0] = (pixel[0] - seen.place_px.x) / seen.sigma_px;
         error[1] = (pixel[1] - seen.place_px.y) / seen.sigma_px;
@@ -57,27 +57,28 @@ struct HighlightError {
     }
 };
 
-// What outline and depth say of the ball, in standard errors.
+// What outline and depth say of the sphere, in standard errors.
 struct OutlineError {
     dvec2 principal_px;
     double radius_mm;
-    BallImage seen;
-    double shared_sigma_px;  // of the radius, the same for all balls: how a limb fades
+    SphereImage seen;
+    double shared_sigma_px;  // of the radius, the same for all spheres: how a limb fades
     std::optional<Known> depth_mm;
 
     template <class T>
-    bool operator()(const T* ball, const T* camera, T* error) const {
+    bool operator()(const T* sphere, const T* camera, T* error) const {
         T pixel[2];
-        project(camera, principal_px, ball, pixel);
+        project(camera, principal_px, sphere, pixel);
         const double sigma = std::max(seen.centre_sigma_px, 0.02);
-        const T nearness = T(1) - inverse_distance(camera) * ball[2];
+        const T relative_inverse_depth = T(1) - inverse_distance(camera) * sphere[2];
         error[0] = (pixel[0] - seen.centre_px.x) / sigma;
         error[1] = (pixel[1] - seen.centre_px.y) / sigma;
-        error[2] = (camera[0] * radius_mm / nearness - seen.radius_px) / std::max(seen.radius_sigma_px, 0.02);
-        error[3] = ball[2] / (kOnePlane * radius_mm);
+        error[2] = (camera[0] * radius_mm / relative_inverse_depth - seen.radius_px) /
+                   std::max(seen.radius_sigma_px, 0.02);
+        error[3] = sphere[2] / (kOnePlane * radius_mm);
         // 1 / inverse_distance - z - depth, to first order, but finite for a camera far away
-        error[4] = depth_mm ? (nearness - inverse_distance(camera) * depth_mm->value) * depth_mm->value /
-                                  depth_mm->sigma
+        error[4] = depth_mm ? (relative_inverse_depth - inverse_distance(camera) * depth_mm->value) *
+                                  depth_mm->value / depth_mm->sigma
                             : T(0);
         return true;
     }
@@ -96,52 +97,52 @@ struct CameraError {
 
 double mean_radius_px(const PositionInput& input) {
     double radius = 0;
-    for (const BallImage& ball : input.balls)
-        radius += ball.radius_px / static_cast<double>(input.balls.size());
+    for (const SphereImage& sphere : input.spheres)
+        radius += sphere.radius_px / static_cast<double>(input.spheres.size());
     return radius;
 }
 
-// Lamps, balls and camera while they are moved.
+// Lights, spheres and camera while they are moved.
 struct Scene {
-    std::vector<Vector> lamps, centres;
+    std::vector<Vector> lights, centres;
     Vector camera{1, 0, 0};
 };
 
 // Where the rays of a photograph meet for the camera as it is; far away along them where they do not.
 std::optional<dvec3> first_position(const PositionInput& input, const Scene& scene, std::size_t photo) {
-    BallCamera camera = input.camera;
+    SphereCamera camera = input.camera;
     camera.focal_px.reset();
     if (scene.camera[1] > 0) camera.focal_px = kInverseFocal / scene.camera[1];
     std::vector<LightRay> rays;
     dvec3 origin(0), direction(0);
-    for (std::size_t b = 0; b < input.balls.size(); ++b) {
+    for (std::size_t b = 0; b < input.spheres.size(); ++b) {
         const auto& seen = input.highlights[photo][b];
         if (!seen) continue;
-        const auto point = ball_point(input.balls[b], camera, seen->place_px);
+        const auto point = sphere_point(input.spheres[b], camera, seen->place_px);
         if (!point) continue;
         const dvec3 centre(scene.centres[b][0], scene.centres[b][1], scene.centres[b][2]);
-        rays.push_back({centre + input.ball_radius_mm * point->normal, point->mirrored(),
-                        direction_sigma(input.balls[b], camera, seen->place_px, seen->sigma_px)});
+        rays.push_back({centre + input.sphere_radius_mm * point->normal, point->mirrored(),
+                        direction_sigma(input.spheres[b], camera, seen->place_px, seen->sigma_px)});
         origin += rays.back().origin;
         direction += rays.back().direction;
     }
     if (rays.size() < 2 || !(glm::length(direction) > 1e-6)) return std::nullopt;
     if (const auto meet = nearest_point(rays)) return meet;
-    double apart = input.ball_radius_mm;
+    double apart = input.sphere_radius_mm;
     for (const LightRay& ray : rays) apart = std::max(apart, glm::length(ray.origin - rays[0].origin));
     return origin / static_cast<double>(rays.size()) + kFarAway * apart * glm::normalize(direction);
 }
 
 Scene first_scene(const PositionInput& input, double inverse_focal) {
     Scene scene;
-    scene.camera = {mean_radius_px(input) / input.ball_radius_mm, kInverseFocal * inverse_focal, 0};
-    for (const BallImage& ball : input.balls) {
-        const dvec2 from = (ball.centre_px - input.camera.principal_px) / scene.camera[0];
+    scene.camera = {mean_radius_px(input) / input.sphere_radius_mm, kInverseFocal * inverse_focal, 0};
+    for (const SphereImage& sphere : input.spheres) {
+        const dvec2 from = (sphere.centre_px - input.camera.principal_px) / scene.camera[0];
         scene.centres.push_back({from.x, -from.y, 0});
     }
     for (std::size_t photo = 0; photo < input.highlights.size(); ++photo) {
         const dvec3 at = first_position(input, scene, photo).value_or(dvec3(0));
-        scene.lamps.push_back({at.x, at.y, at.z});
+        scene.lights.push_back({at.x, at.y, at.z});
     }
     return scene;
 }
@@ -152,26 +153,26 @@ public:
     Bundle(const PositionInput& input, Scene& scene, const Known& inverse_focal, PositionResult& result)
         : input_(input), scene_(scene), result_(result) {
         double* camera = scene.camera.data();
-        result.lamps.resize(scene.lamps.size());
-        for (std::size_t photo = 0; photo < scene.lamps.size(); ++photo) {
+        result.lights.resize(scene.lights.size());
+        for (std::size_t photo = 0; photo < scene.lights.size(); ++photo) {
             if (!first_position(input, scene, photo)) continue;
-            result.lamps[photo].emplace();
-            for (std::size_t b = 0; b < input.balls.size(); ++b)
+            result.lights[photo].emplace();
+            for (std::size_t b = 0; b < input.spheres.size(); ++b)
                 if (const auto& seen = input.highlights[photo][b])
                     problem_.AddResidualBlock(
                         new ceres::AutoDiffCostFunction<HighlightError, 2, 3, 3, 3>(
-                            new HighlightError{input.camera.principal_px, input.ball_radius_mm, *seen}),
-                        new ceres::HuberLoss(2.5), scene.lamps[photo].data(), scene.centres[b].data(),
+                            new HighlightError{input.camera.principal_px, input.sphere_radius_mm, *seen}),
+                        new ceres::HuberLoss(2.5), scene.lights[photo].data(), scene.centres[b].data(),
                         camera);
         }
         if (problem_.NumResidualBlocks() == 0) return;
         double shared_px = 1e9;
-        for (const BallImage& ball : input.balls)
-            shared_px = std::min(shared_px, kSharedError * ball.radius_sigma_px);
-        for (std::size_t b = 0; b < input.balls.size(); ++b)
+        for (const SphereImage& sphere : input.spheres)
+            shared_px = std::min(shared_px, kSharedError * sphere.radius_sigma_px);
+        for (std::size_t b = 0; b < input.spheres.size(); ++b)
             problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<OutlineError, 5, 3, 3>(
-                                          new OutlineError{input.camera.principal_px, input.ball_radius_mm,
-                                                           input.balls[b], shared_px, input.depth_mm}),
+                                          new OutlineError{input.camera.principal_px, input.sphere_radius_mm,
+                                                           input.spheres[b], shared_px, input.depth_mm}),
                                       nullptr, scene.centres[b].data(), camera);
         problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<CameraError, 2, 3>(
@@ -195,15 +196,15 @@ public:
         result_.inverse_focal.value = scene_.camera[1] / kInverseFocal;
     }
 
-    // Covariances of lamps and camera, and residuals.
+    // Covariances of lights and camera, and residuals.
     void judge() {
         if (problem_.NumResidualBlocks() == 0) return;
         const double enlarge = judge_residuals();
         const double* camera = scene_.camera.data();
         std::vector<std::pair<const double*, const double*>> blocks = {{camera, camera}};
-        for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo)
-            if (result_.lamps[photo])
-                blocks.emplace_back(scene_.lamps[photo].data(), scene_.lamps[photo].data());
+        for (std::size_t photo = 0; photo < scene_.lights.size(); ++photo)
+            if (result_.lights[photo])
+                blocks.emplace_back(scene_.lights[photo].data(), scene_.lights[photo].data());
         ceres::Covariance::Options options;
         options.algorithm_type = ceres::DENSE_SVD;
         options.null_space_rank = -1;
@@ -213,13 +214,13 @@ public:
         double of_camera[9] = {};
         covariance.GetCovarianceBlock(camera, camera, of_camera);
         result_.inverse_focal.sigma = std::sqrt(std::max(enlarge * of_camera[4], 0.0)) / kInverseFocal;
-        for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo) {
-            if (!result_.lamps[photo]) continue;
+        for (std::size_t photo = 0; photo < scene_.lights.size(); ++photo) {
+            if (!result_.lights[photo]) continue;
             double block[9] = {};
-            const double* lamp = scene_.lamps[photo].data();
-            covariance.GetCovarianceBlock(lamp, lamp, block);
+            const double* light = scene_.lights[photo].data();
+            covariance.GetCovarianceBlock(light, light, block);
             for (int i = 0; i < 9; ++i)
-                result_.lamps[photo]->covariance_mm2[i / 3][i % 3] = enlarge * block[i];
+                result_.lights[photo]->covariance_mm2[i / 3][i % 3] = enlarge * block[i];
         }
     }
 
@@ -228,17 +229,17 @@ private:
     double judge_residuals() {
         double weighted = 0, plain = 0;
         int values = 0, unknowns = 0;
-        for (std::size_t photo = 0; photo < scene_.lamps.size(); ++photo) {
-            if (!result_.lamps[photo]) continue;
-            LampPosition& lamp = *result_.lamps[photo];
-            const Vector& at = scene_.lamps[photo];
+        for (std::size_t photo = 0; photo < scene_.lights.size(); ++photo) {
+            if (!result_.lights[photo]) continue;
+            LocatedLight& light = *result_.lights[photo];
+            const Vector& at = scene_.lights[photo];
             double squares = 0;
             int seen_in = 0;
             for (std::size_t b = 0; b < scene_.centres.size(); ++b) {
                 const auto& seen = input_.highlights[photo][b];
                 if (!seen) continue;
                 double error[2] = {};
-                HighlightError{input_.camera.principal_px, input_.ball_radius_mm, *seen}(
+                HighlightError{input_.camera.principal_px, input_.sphere_radius_mm, *seen}(
                     at.data(), scene_.centres[b].data(), scene_.camera.data(), error);
                 const double in_sigma = error[0] * error[0] + error[1] * error[1];
                 weighted += in_sigma;
@@ -248,8 +249,8 @@ private:
             values += 2 * seen_in;
             unknowns += 3;
             plain += squares;
-            lamp.position_mm = {at[0], at[1], at[2]};
-            lamp.residual_px = std::sqrt(squares / (2 * seen_in));
+            light.position_mm = {at[0], at[1], at[2]};
+            light.residual_px = std::sqrt(squares / (2 * seen_in));
         }
         result_.residual_px = std::sqrt(plain / std::max(values, 1));
         result_.residual_sigma = std::sqrt(weighted / std::max(values - unknowns, 1));
@@ -290,8 +291,8 @@ std::optional<dvec3> nearest_point(std::span<const LightRay> rays) {
     return point;
 }
 
-PositionResult lamp_positions(const PositionInput& input) {
-    TP_REQUIRE(input.balls.size() >= 2, "there are two balls or more");
+PositionResult light_positions(const PositionInput& input) {
+    TP_REQUIRE(input.spheres.size() >= 2, "there are two spheres or more");
     const double as_measured = input.camera.focal_px ? 1 / *input.camera.focal_px : 0;
     const Known inverse_focal = input.inverse_focal.value_or(Known{as_measured, 1e-9});
     // Where little is known, the least of several starts: rays of a camera that sees far too narrow do not
@@ -309,7 +310,7 @@ PositionResult lamp_positions(const PositionInput& input) {
         if (best && !(result.cost < 0.999 * best->cost)) continue;
         bundle.judge();
         for (const Vector& centre : scene.centres)
-            result.ball_centres_mm.push_back({centre[0], centre[1], centre[2]});
+            result.sphere_centres_mm.push_back({centre[0], centre[1], centre[2]});
         best = std::move(result);
     }
     return *best;

@@ -1,4 +1,4 @@
-// alhazen.h: the point of a mirror ball that shows a near light to the camera (Alhazen's problem).
+// alhazen.h: the point of a mirror sphere that shows a near light to the camera (Alhazen's problem).
 //
 // A template, so that the same lines serve doubles and the automatic derivatives of a least-squares solver.
 #pragma once
@@ -7,11 +7,11 @@
 
 namespace tangi {
 
-// The normal [unit vector] of a ball where it mirrors the light at `light` to the camera, which stands on the
-// z axis at z = 1 / inverse_distance; with 0 infinitely far in +z. The normal halves the angle between the
-// directions to both (Alhazen); these depend on the point, hence on the normal, but little as long as the
-// ball is small: each step of the fixed-point iteration shrinks the error by radius / distance. False where a
-// step meets the ball's back or centre.
+// The normal [unit vector] of a sphere where it mirrors the light at `light` to the camera, which stands on
+// the z axis at z = 1 / inverse_distance; with 0 infinitely far in +z. The normal halves the angle between
+// the directions to both (Alhazen); these depend on the point, hence on the normal, but little as long as the
+// sphere is small: each step of the fixed-point iteration shrinks the error by radius / distance. False where
+// a step meets the sphere's back or centre.
 template <class T>
 bool mirror_normal(const T centre[3], const T& radius, const T light[3], const T& inverse_distance,
                    T normal[3]) {

@@ -16,17 +16,18 @@ using glm::dvec3;
 namespace {
 
 constexpr double kClick_px = 0.6, kClickOfRadius = 0.02;
-constexpr double kSigmas = 3;  // of what is given, within which the ball is looked for
+constexpr double kSigmas = 3;  // of what is given, within which the sphere is looked for
 // [1 per pixel of the outline] By how much the logarithm of the likelihood grows with agreement(): edges of
 // one pattern are not independent of each other. And [pixels] what the radius of the outermost clear ring
-// tells of the ball's: right inside its outline a mirror shows what lies around it, compressed to a band of
-// dense edges. Of 58 rendered balls of 26 and 32 pixels radius on patterns from canvas to noise, circles off
-// by up to a pixel: 98 % of centres and radii lie within two standard deviations; with a likelihood of 1, 96
+// tells of the sphere's: right inside its outline a mirror shows what lies around it, compressed to a band of
+// dense edges. Of 58 rendered spheres of 26 and 32 pixels radius on patterns from canvas to noise, circles
+// off by up to a pixel: 98 % of centres and radii lie within two standard deviations; with a likelihood of 1,
+// 96
 // %, and without the last two numbers 83 % of the radii.
 constexpr double kLikelihood = 0.7;
 constexpr double kRingSigma_px = 0.7, kRingInside_px = 0.15;
 // [1] agreement() by which another place must be better to be believed against what was given. Patterns alone
-// reach 0.08 (the same balls, up to 4 pixels from the circle).
+// reach 0.08 (the same spheres, up to 4 pixels from the circle).
 constexpr double kTellsClearlyBetter = 0.3;
 constexpr double kSearched = 0.05;         // [1] of the radius, and ...
 constexpr double kSearchedAtLeast_px = 2;  // ... where refine_outline() looks for an outline
@@ -118,29 +119,30 @@ Belief belief_of(const std::vector<EdgeProfile>& profiles, const dvec3& sigma, d
     return belief;
 }
 
-std::vector<EdgeProfile> profiles_within(const BallCrops& crops, const BallImage& ball,
-                                         const BallCamera& camera, const dvec3& sigma) {
+std::vector<EdgeProfile> profiles_within(const SphereCrops& crops, const SphereImage& sphere,
+                                         const SphereCamera& camera, const dvec3& sigma) {
     constexpr double beyond = 5;  // [pixels] that contrast_of() looks outside
-    return profiles_around(crops, ball, camera, kSigmas * (std::hypot(sigma.x, sigma.y) + sigma.z) + beyond);
+    return profiles_around(crops, sphere, camera,
+                           kSigmas * (std::hypot(sigma.x, sigma.y) + sigma.z) + beyond);
 }
 
-double outline_length(const BallImage& ball) { return 2 * std::numbers::pi * ball.radius_px; }
+double outline_length(const SphereImage& sphere) { return 2 * std::numbers::pi * sphere.radius_px; }
 
-dvec3 sigmas_of(const BallImage& ball) {
-    return {ball.centre_sigma_px, ball.centre_sigma_px, ball.radius_sigma_px};
+dvec3 sigmas_of(const SphereImage& sphere) {
+    return {sphere.centre_sigma_px, sphere.centre_sigma_px, sphere.radius_sigma_px};
 }
 
-BallImage moved(BallImage ball, const Belief& belief) {
-    ball.centre_px += dvec2(belief.mean);
-    ball.radius_px += belief.mean.z;
-    ball.centre_sigma_px = std::max(belief.sigma.x, belief.sigma.y);
-    ball.radius_sigma_px = belief.sigma.z;
-    return ball;
+SphereImage moved(SphereImage sphere, const Belief& belief) {
+    sphere.centre_px += dvec2(belief.mean);
+    sphere.radius_px += belief.mean.z;
+    sphere.centre_sigma_px = std::max(belief.sigma.x, belief.sigma.y);
+    sphere.radius_sigma_px = belief.sigma.z;
+    return sphere;
 }
 
 // The circle and the outline, by what is independent of each other in their errors: how a limb fades is a
-// matter of the ball, and stays.
-BallImage mean_of(const BallImage& given, const BallImage& found) {
+// matter of the sphere, and stays.
+SphereImage mean_of(const SphereImage& given, const SphereImage& found) {
     const auto weight = [](double sigma, double systematic) {
         return 1 / std::max(sigma * sigma - systematic * systematic, 1e-4);
     };
@@ -154,7 +156,7 @@ BallImage mean_of(const BallImage& given, const BallImage& found) {
 }
 
 // [standard errors of `given`] the coordinate that differs most.
-double apart(const BallImage& given, const BallImage& other) {
+double apart(const SphereImage& given, const SphereImage& other) {
     const dvec2 centre = glm::abs(other.centre_px - given.centre_px);
     return std::max(std::max(centre.x, centre.y) / given.centre_sigma_px,
                     std::abs(other.radius_px - given.radius_px) / given.radius_sigma_px);
@@ -164,14 +166,14 @@ double apart(const BallImage& given, const BallImage& other) {
 // and standard errors before, and what edges say of them after; mean and standard deviation of the result,
 // over all places within three standard errors. Where edges say nothing, or many things, that is the circle
 // again.
-BallImage weighed(const BallCrops& crops, const BallImage& before, const BallCamera& camera) {
+SphereImage weighed(const SphereCrops& crops, const SphereImage& before, const SphereCamera& camera) {
     const std::vector<EdgeProfile> profiles = profiles_within(crops, before, camera, sigmas_of(before));
     if (profiles.size() < kFewestProfiles) return before;
     return moved(before, belief_of(profiles, sigmas_of(before), outline_length(before)));
 }
 
 // The circle, where edges say no more of it than whoever gave it; each of its numbers.
-BallImage as_given(BallImage given, const Belief& belief) {
+SphereImage as_given(SphereImage given, const Belief& belief) {
     const double centre_sigma = std::max(belief.sigma.x, belief.sigma.y);
     if (centre_sigma < kTellsMore * given.centre_sigma_px) {
         given.centre_px += dvec2(belief.mean);
@@ -184,15 +186,15 @@ BallImage as_given(BallImage given, const Belief& belief) {
     return given;
 }
 
-// Whether an outline that was found beside a circle is the ball's. Inside its outline a mirror shows rings,
+// Whether an outline that was found beside a circle is the sphere's. Inside its outline a mirror shows rings,
 // of the horizon and what lies before it: where edges are on a larger one around the same middle as well, one
 // of those is what was found.
-bool is_outline_beside(const std::vector<EdgeProfile>& profiles, const BallImage& given,
-                       const BallOutline& found, const OutlineContrast& contrast,
+bool is_outline_beside(const std::vector<EdgeProfile>& profiles, const SphereImage& given,
+                       const SphereOutline& found, const OutlineContrast& contrast,
                        const std::optional<Belief>& belief) {
     if (!belief) return true;
-    if (found.ball.radius_px < given.radius_px) {
-        const dvec2 off = found.ball.centre_px - given.centre_px;
+    if (found.sphere.radius_px < given.radius_px) {
+        const dvec2 off = found.sphere.centre_px - given.centre_px;
         for (const double sigmas : {-1.0, -0.5, 0.0, 0.5, 1.0})
             if (contrast_of(profiles, dvec3(off, sigmas * given.radius_sigma_px)).on > kSeenToo * contrast.on)
                 return false;
@@ -202,49 +204,49 @@ bool is_outline_beside(const std::vector<EdgeProfile>& profiles, const BallImage
 
 }  // namespace
 
-BallImage with_click_errors(BallImage given) {
+SphereImage with_click_errors(SphereImage given) {
     given.centre_sigma_px = given.radius_sigma_px = std::max(kClick_px, kClickOfRadius * given.radius_px);
     return given;
 }
 
-GivenOutline judge_outline(const BallCrops& crops, const BallImage& given,
-                           const std::optional<BallOutline>& found, const BallCamera& camera) {
-    const auto verdict = [&](OutlineVerdict which, const BallImage& ball) {
-        const double centre = glm::length(ball.centre_px - given.centre_px);
-        return GivenOutline{which, ball, std::max(centre, std::abs(ball.radius_px - given.radius_px))};
+GivenOutline judge_outline(const SphereCrops& crops, const SphereImage& given,
+                           const std::optional<SphereOutline>& found, const SphereCamera& camera) {
+    const auto verdict = [&](OutlineVerdict which, const SphereImage& sphere) {
+        const double centre = glm::length(sphere.centre_px - given.centre_px);
+        return GivenOutline{which, sphere, std::max(centre, std::abs(sphere.radius_px - given.radius_px))};
     };
     const std::vector<EdgeProfile> profiles = profiles_within(crops, given, camera, sigmas_of(given));
     std::optional<Belief> belief;
     if (profiles.size() >= kFewestProfiles)
         belief = belief_of(profiles, sigmas_of(given), outline_length(given));
     if (found && found->residual_px < kSharp_px && found->coverage > kMostOfIt) {
-        const std::vector<EdgeProfile> there = profiles_within(crops, found->ball, camera, dvec3(0));
+        const std::vector<EdgeProfile> there = profiles_within(crops, found->sphere, camera, dvec3(0));
         const OutlineContrast contrast = contrast_of(there, dvec3(0));
         if (contrast.stands_out()) {
-            if (apart(given, found->ball) <= kSigmas)
-                return verdict(OutlineVerdict::found, mean_of(given, found->ball));
+            if (apart(given, found->sphere) <= kSigmas)
+                return verdict(OutlineVerdict::found, mean_of(given, found->sphere));
             if (is_outline_beside(profiles, given, *found, contrast, belief))
-                return verdict(OutlineVerdict::beside, found->ball);
+                return verdict(OutlineVerdict::beside, found->sphere);
         }
     }
     return verdict(OutlineVerdict::given, belief ? as_given(given, *belief) : given);
 }
 
-void widen_errors(const BallCrops& crops, BallOutline& outline, const BallCamera& camera) {
-    const std::vector<EdgeProfile> there = profiles_within(crops, outline.ball, camera, dvec3(0));
+void widen_errors(const SphereCrops& crops, SphereOutline& outline, const SphereCamera& camera) {
+    const std::vector<EdgeProfile> there = profiles_within(crops, outline.sphere, camera, dvec3(0));
     if (there.empty() || contrast_of(there, dvec3(0)).stands_out()) return;
-    BallImage before = outline.ball;
+    SphereImage before = outline.sphere;
     before.centre_sigma_px = before.radius_sigma_px =
         std::max(kSearched * before.radius_px, kSearchedAtLeast_px) / 2;
-    const BallImage open = weighed(crops, before, camera);
+    const SphereImage open = weighed(crops, before, camera);
     // It is somewhere else as likely as here.
     const auto with = [](double stated, double sigma, double off) {
         return std::max(stated, std::hypot(sigma, off));
     };
-    outline.ball.centre_sigma_px = with(outline.ball.centre_sigma_px, open.centre_sigma_px,
-                                        glm::length(open.centre_px - before.centre_px) / std::sqrt(2.0));
-    outline.ball.radius_sigma_px =
-        with(outline.ball.radius_sigma_px, open.radius_sigma_px, open.radius_px - before.radius_px);
+    outline.sphere.centre_sigma_px = with(outline.sphere.centre_sigma_px, open.centre_sigma_px,
+                                          glm::length(open.centre_px - before.centre_px) / std::sqrt(2.0));
+    outline.sphere.radius_sigma_px =
+        with(outline.sphere.radius_sigma_px, open.radius_sigma_px, open.radius_px - before.radius_px);
 }
 
 }  // namespace tangi

@@ -1,5 +1,5 @@
 // highlight_clusters.h: where in the picture a small bright spot wanders about as the light moves, one a
-// photograph: that is how a mirror ball shows.
+// photograph: that is how a mirror sphere shows.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -20,7 +20,7 @@ struct HighlightSpot {
 };
 
 // Spots of one photograph nearly as bright as anything in it, far brighter than the median there, and small.
-// The reflection of a lamp in a mirror is.
+// The reflection of a light in a mirror is.
 std::vector<HighlightSpot> highlight_spots(const Image<float>& photo, const Image<float>& median);
 
 struct HighlightCluster {

@@ -10,7 +10,7 @@ namespace tangi {
 
 namespace {
 
-constexpr double kRelative = 0.08;  // [1] by which lobes of real lamps deviate from the model
+constexpr double kRelative = 0.08;  // [1] by which lobes of real lights deviate from the model
 
 // Parameters: centre x, y; log peak; log of both radii's factors and the shear of q; log base.
 struct LobeError {

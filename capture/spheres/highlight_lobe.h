@@ -7,8 +7,8 @@
 
 namespace tangi {
 
-// Places may be pixels, or, as it is with a ball's normals in their tangent plane, times the ball's radius:
-// there a rough mirror's lobe is round, which in the picture it is not.
+// Places may be pixels, or, as it is with a sphere's normals in their tangent plane, times the sphere's
+// radius: there a rough mirror's lobe is round, which in the picture it is not.
 struct LobeSample {
     glm::dvec2 place_px{0, 0};
     double value = 0;  // [1] as stored, at most `clip`
@@ -23,7 +23,7 @@ struct HighlightLobe {
 };
 
 // Fits base + peak / (1 + q(x))^2, q a positive quadratic form (the tail of the GGX distribution, Walter et
-// al. 2007, seen in a small part of a ball), cut off at `clip`, by robust least squares; deviations count
+// al. 2007, seen in a small part of a sphere), cut off at `clip`, by robust least squares; deviations count
 // relative to the value, and not below `floor`. Nothing where the samples are too few or the fit runs away
 // from `start_px` by more than `radius_px`.
 std::optional<HighlightLobe> fit_lobe(const std::vector<LobeSample>& samples, const glm::dvec2& start_px,

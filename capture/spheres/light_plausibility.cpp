@@ -48,7 +48,7 @@ std::vector<Row> basis_of(const std::vector<glm::dvec3>& directions) {
 }
 
 // [reduced px] How far a place moved in a photograph.
-glm::dvec2 shift_of(const GreyPhotos& photos, const CameraShakes& drifts, std::size_t photo,
+glm::dvec2 shift_of(const GreyPhotos& photos, const CameraMotions& drifts, std::size_t photo,
                     const glm::ivec2& at) {
     const glm::dvec2 place(photos.full(at.x), photos.full(at.y)),
         middle((photos.width - 1) / 2.0, (photos.height - 1) / 2.0);
@@ -72,7 +72,7 @@ double value_near(const Image<float>& photo, const glm::dvec2& place) {
     return sum / 9;
 }
 
-// [1] As stored: what is darker tells nothing of lamps.
+// [1] As stored: what is darker tells nothing of lights.
 double least_level(const GreyPhotos& photos, const std::vector<std::size_t>& used) {
     std::vector<float> noise;
     for (const std::size_t i : used) noise.push_back(dark_noise(photos.mean[i]));
@@ -100,7 +100,7 @@ bool normalise(std::vector<Row>& rows, std::size_t photos, double least) {
 
 // Pixels, each less its mean over the photographs; those that hardly change are left out, and those that are
 // as dark as what a code is worth. Nothing where hardly any are left.
-std::vector<Row> changes_of(const GreyPhotos& photos, const CameraShakes& drifts,
+std::vector<Row> changes_of(const GreyPhotos& photos, const CameraMotions& drifts,
                             const std::vector<std::size_t>& used, std::span<const ShadedCircle> without) {
     const int width = photos.mean[0].width(), height = photos.mean[0].height();
     const int step = std::max(1, static_cast<int>(std::min(width, height) / kAcross));
@@ -153,18 +153,18 @@ double explained(const std::vector<Row>& changes, const std::vector<Row>& basis,
 
 }  // namespace
 
-std::optional<double> chance_of_directions(const GreyPhotos& photos, const CameraShakes& drifts,
+std::optional<double> chance_of_directions(const GreyPhotos& photos, const CameraMotions& drifts,
                                            std::span<const std::optional<glm::dvec3>> directions,
                                            std::span<const ShadedCircle> without) {
     std::vector<std::size_t> used;
-    std::vector<glm::dvec3> to_lamps;
+    std::vector<glm::dvec3> to_lights;
     for (std::size_t i = 0; i < directions.size(); ++i) {
         if (!directions[i]) continue;
         used.push_back(i);
-        to_lamps.push_back(*directions[i]);
+        to_lights.push_back(*directions[i]);
     }
     if (used.size() < kFewest) return std::nullopt;
-    const std::vector<Row> basis = basis_of(to_lamps), changes = changes_of(photos, drifts, used, without);
+    const std::vector<Row> basis = basis_of(to_lights), changes = changes_of(photos, drifts, used, without);
     if (basis.empty() || changes.empty()) return std::nullopt;
     std::vector<std::size_t> deal(used.size());
     std::iota(deal.begin(), deal.end(), std::size_t{0});

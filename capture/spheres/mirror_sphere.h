@@ -1,4 +1,4 @@
-// mirror_sphere.h: mirror balls in a stack of photographs: where they are, and where they show the lamp.
+// mirror_sphere.h: mirror spheres in a stack of photographs: where they are, and where they show the light.
 #pragma once
 
 #include <filesystem>
@@ -8,78 +8,79 @@
 #include <vector>
 
 #include "capture/registration/edge_field.h"
-#include "capture/spheres/ball_highlight.h"
-#include "capture/spheres/ball_outline.h"
+#include "capture/spheres/sphere_highlight.h"
+#include "capture/spheres/sphere_outline.h"
 #include "surface/base/error.h"
 
 namespace tangi {
 
-// Where the user says that a ball is: a circle, or a box around it. Pixels, y down.
-struct GivenBall {
+// Where the user says that a sphere is: a circle, or a box around it. Pixels, y down.
+struct GivenSphere {
     glm::dvec2 centre_px{0, 0};
     double radius_px = 0;  // of a box, half its shorter side
-    bool is_box = false;   // the ball lies in the box, and may be smaller
+    bool is_box = false;   // the sphere lies in the box, and may be smaller
     std::string text;      // as the user wrote it, for messages
 };
 
-struct FoundBall {
-    BallImage image;
-    BallImage circle{};                 // from which its outline was sought
-    std::optional<BallImage> before{};  // the circle that the user gave, with its standard errors
-    std::string name;                   // "ball 1 at (629, 64)", for messages
+struct FoundSphere {
+    SphereImage image;
+    SphereImage circle{};                 // from which its outline was sought
+    std::optional<SphereImage> before{};  // the circle that the user gave, with its standard errors
+    std::string name;                     // "sphere 1 at (629, 64)", for messages
     bool given = false;
     double outline_coverage = 0;  // [1] part of the outline that was measured; 0: taken as given
     double outline_residual_px = 0;
-    std::optional<Known> elongation{};    // BallOutline's
-    std::vector<Highlight> highlights{};  // one a photograph; empty for matt balls
-    BallCrops crops;
+    std::optional<Known> elongation{};    // SphereOutline's
+    std::vector<Highlight> highlights{};  // one a photograph; empty for diffuse spheres
+    SphereCrops crops;
 
     int highlights_found() const;
     int highlights_in(HighlightState state) const;
 };
 
-// No ball was found where none was said to be.
-class NoBallError : public Error {
+// No sphere was found where none was said to be.
+class NoSphereError : public Error {
 public:
     using Error::Error;
 };
 
-struct BallSearch {
-    std::vector<FoundBall> balls;  // from top to bottom
+struct SphereSearch {
+    std::vector<FoundSphere> spheres;  // from top to bottom
     std::vector<std::string> warnings, poor;
 };
 
-// Finds mirror balls: a small bright spot that wanders about as the light moves, one a photograph, within a
-// circle of edges that stay, as lamps before the painting make it wander and as the shading of all else says
-// that they stood. What shows highlights but not so is left out with a warning; so is a second ball that
-// shows few, unless it has the first one's size and shows the same lamps. Balls given by the user are sought
-// only where they are given; one that is not there is left out with a warning, and Error says so where no
-// ball is left. Without given balls, no ball at all is an Error too.
-BallSearch find_mirror_balls(const PhotoSet& set, const GreyPhotos& photos, const CameraShakes& drifts,
-                             const BallCamera& camera, std::span<const GivenBall> given,
-                             const std::optional<double>& expected_px = {}, const Progress& progress = {});
+// Finds mirror spheres: a small bright spot that wanders about as the light moves, one a photograph, within a
+// circle of edges that stay, as lights before the painting make it wander and as the shading of all else says
+// that they stood. What shows highlights but not so is left out with a warning; so is a second sphere that
+// shows few, unless it has the first one's size and shows the same lights. Spheres given by the user are
+// sought only where they are given; one that is not there is left out with a warning, and Error says so where
+// no sphere is left. Without given spheres, no sphere at all is an Error too.
+SphereSearch find_mirror_spheres(const PhotoSet& set, const GreyPhotos& photos, const CameraMotions& drifts,
+                                 const SphereCamera& camera, std::span<const GivenSphere> given,
+                                 const std::optional<double>& expected_px = {},
+                                 const Progress& progress = {});
 
 // Outline and highlights once more, for a camera that is known by now.
-void measure_again(FoundBall& ball, const BallCamera& camera);
+void measure_again(FoundSphere& sphere, const SphereCamera& camera);
 
-// Seeks the outline from ball.circle; where a circle was given, it is weighed with what is found
-// (given_outline.h). False where none was given and none is found: the ball is left as it is. What the user
+// Seeks the outline from sphere.circle; where a circle was given, it is weighed with what is found
+// (given_outline.h). False where none was given and none is found: the sphere is left as it is. What the user
 // is to know of a given circle is added to `warnings`.
-bool find_outline(FoundBall& ball, const BallCamera& camera, const std::string& given_text,
+bool find_outline(FoundSphere& sphere, const SphereCamera& camera, const std::string& given_text,
                   std::vector<std::string>& warnings);
 
-// The circle near a given ball or box that has edges along it, in the pixels of the whole photographs;
+// The circle near a given sphere or box that has edges along it, in the pixels of the whole photographs;
 // nothing where none has. Where a circle of quite another size around the same place has far clearer edges,
 // that one, and `contradiction` says so to the user.
-std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& photos, const GivenBall& given,
+std::optional<Circle> circle_near(const EdgeField& field, const GreyPhotos& photos, const GivenSphere& given,
                                   std::string& contradiction);
 
-// What a given circle or box says of the ball before its outline is looked at, with standard errors; nothing
-// where a circle that shows says otherwise, or says more than a box does.
-std::optional<BallImage> before_of(const GivenBall& given, bool circle_seen,
-                                   const std::string& contradiction);
+// What a given circle or box says of the sphere before its outline is looked at, with standard errors;
+// nothing where a circle that shows says otherwise, or says more than a box does.
+std::optional<SphereImage> before_of(const GivenSphere& given, bool circle_seen,
+                                     const std::string& contradiction);
 
-// Throws Error where a given ball does not lie in the photographs.
-void require_in_picture(const GivenBall& given, int width, int height);
+// Throws Error where a given sphere does not lie in the photographs.
+void require_in_picture(const GivenSphere& given, int width, int height);
 
 }  // namespace tangi

@@ -18,11 +18,12 @@ constexpr double kProfileSample = EdgeProfile::kSample;
 constexpr double kBounded = 0.15;    // [1 per pixel] slope of the logarithm that one photograph may count for
 constexpr double kClearEdge = 0.06;  // [1 per pixel] mean of those that counts fully
 constexpr double kOutside = 0.8;     // how much an edge beyond the outline counts against it
-// [1] Edges outside as a part of those on the outline. Of balls on a plain ground 0 to 0.3; on a painting
+// [1] Edges outside as a part of those on the outline. Of spheres on a plain ground 0 to 0.3; on a painting
 // that is textured to the pixel 0.85 and more, and the steepest places are those of its pattern.
 constexpr double kQuiet = 0.5;
 
-EdgeProfile profile_along(const BallCrops& crops, const dvec2& middle, const dvec2& outwards, double reach) {
+EdgeProfile profile_along(const SphereCrops& crops, const dvec2& middle, const dvec2& outwards,
+                          double reach) {
     EdgeProfile profile{middle, outwards, {}, {}};
     if (!crops.holds(middle + reach * outwards) || !crops.holds(middle - reach * outwards)) return profile;
     const int half = static_cast<int>(std::ceil(reach / kProfileSample));
@@ -62,14 +63,14 @@ double EdgeProfile::at(double offset) const {
     return clear[k] + (place - static_cast<double>(k)) * (clear[k + 1] - clear[k]);
 }
 
-std::vector<EdgeProfile> profiles_around(const BallCrops& crops, const BallImage& ball,
-                                         const BallCamera& camera, double reach) {
-    const int angles = std::clamp(static_cast<int>(2 * std::numbers::pi * ball.radius_px), 72, 360);
+std::vector<EdgeProfile> profiles_around(const SphereCrops& crops, const SphereImage& sphere,
+                                         const SphereCamera& camera, double reach) {
+    const int angles = std::clamp(static_cast<int>(2 * std::numbers::pi * sphere.radius_px), 72, 360);
     std::vector<EdgeProfile> profiles(static_cast<std::size_t>(angles));
     parallel_for(0, angles, 8, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             const double angle = 2 * std::numbers::pi * (i + 0.5) / angles;
-            profiles[static_cast<std::size_t>(i)] = profile_along(crops, outline_point(ball, camera, angle),
+            profiles[static_cast<std::size_t>(i)] = profile_along(crops, outline_point(sphere, camera, angle),
                                                                   {std::cos(angle), -std::sin(angle)}, reach);
         }
     });

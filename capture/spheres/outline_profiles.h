@@ -1,11 +1,11 @@
-// outline_profiles.h: edges along the radii of a ball, and how well an outline agrees with them.
+// outline_profiles.h: edges along the radii of a sphere, and how well an outline agrees with them.
 #pragma once
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "capture/spheres/ball_crops.h"
+#include "capture/spheres/sphere_crops.h"
 
 namespace tangi {
 
@@ -22,17 +22,17 @@ struct EdgeProfile {
     double at(double offset) const;
 };
 
-// Around a ball, about one for each pixel of its outline, `reach` [pixels] to either side of it; none where a
-// profile leaves the picture.
-std::vector<EdgeProfile> profiles_around(const BallCrops& crops, const BallImage& ball,
-                                         const BallCamera& camera, double reach);
+// Around a sphere, about one for each pixel of its outline, `reach` [pixels] to either side of it; none where
+// a profile leaves the picture.
+std::vector<EdgeProfile> profiles_around(const SphereCrops& crops, const SphereImage& sphere,
+                                         const SphereCamera& camera, double reach);
 
 // [1] Mean over the profiles of how clear the edge on an outline is, and of how clear those right outside of
 // it are; of the outline moved by `step` (centre, radius).
 struct OutlineContrast {
     double on = 0, outside = 0;
 
-    // A ball's outline is the outermost of the rings that it shows: edges outside of it count against it.
+    // A sphere's outline is the outermost of the rings that it shows: edges outside of it count against it.
     double agreement() const;
     // Whether it is told from whatever else has edges there, as the pattern of a painting.
     bool stands_out() const;

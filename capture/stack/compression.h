@@ -17,7 +17,7 @@ std::optional<int> jpeg_quality(const std::filesystem::path& path);
 double rounding_of_jpeg(const Stack& stack);
 
 // Warns where compression tells more of the photographs' finest detail than the painting does: JPEG below a
-// quality of 90. Its errors are the same in neighbours and differ between lamps as relief does, so no stated
+// quality of 90. Its errors are the same in neighbours and differ between lights as relief does, so no stated
 // error has them.
 void warn_of_compression(Stack& stack);
 

@@ -73,7 +73,8 @@ std::vector<std::vector<std::size_t>> same_pictures(const Survey& survey) {
     return groups;
 }
 
-void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_out, std::size_t fewest) {
+void leave_out_copies(Stack& stack, Survey& survey, std::vector<RejectedPhoto>& rejected,
+                      std::size_t fewest) {
     const std::vector<std::vector<std::size_t>> groups = same_pictures(survey);
     if (groups.empty()) return;
     const std::size_t all = stack.photos.size();
@@ -81,7 +82,7 @@ void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_o
         fail("{}: all {} photographs are the same picture; give photographs under different lights",
              stack.folder.string(), all);
     std::vector<bool> keep(all, true);
-    std::vector<LeftOut> lost, copies;  // what a copy shows is there all the same
+    std::vector<RejectedPhoto> lost, copies;  // what a copy shows is there all the same
     for (const std::vector<std::size_t>& group : groups) {
         const Light& first = stack.photos[group.front()].light;
         std::vector<std::string> names;
@@ -105,7 +106,7 @@ void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_o
             keep[i] = false;
             (same_light ? copies : lost).push_back({stack.photos[i].light.name, what});
         }
-        stack.warnings.push_back(same_light ? what : what + "; left out");
+        stack.warnings.push_back(same_light ? what : what + "; rejected");
     }
     const std::size_t different = all - copies.size();
     if (different < fewest)
@@ -113,7 +114,7 @@ void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_o
              stack.folder.string(), copies.size(), all, different, fewest);
     require_few(lost, different, fewest, stack.folder.string());
     keep_photos(stack, survey, keep);
-    for (const auto& list : {copies, lost}) left_out.insert(left_out.end(), list.begin(), list.end());
+    for (const auto& list : {copies, lost}) rejected.insert(rejected.end(), list.begin(), list.end());
 }
 
 }  // namespace tangi

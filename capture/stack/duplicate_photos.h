@@ -27,6 +27,7 @@ std::vector<std::vector<std::size_t>> same_pictures(const Survey& survey);
 // Takes photographs that are the same picture as another out of the stack and the survey, with a warning: all
 // but the first where they have the same light, all of them where their lights differ, since one of these is
 // wrong. Throws Error where all photographs are one picture, and as require_few(), `fewest` being left.
-void leave_out_copies(Stack& stack, Survey& survey, std::vector<LeftOut>& left_out, std::size_t fewest = 4);
+void leave_out_copies(Stack& stack, Survey& survey, std::vector<RejectedPhoto>& rejected,
+                      std::size_t fewest = 4);
 
 }  // namespace tangi

@@ -107,7 +107,7 @@ std::vector<fs::path> pictures_in(const fs::path& folder, std::vector<std::strin
     require_folder(folder);
     std::vector<fs::path> pictures = photos_in(folder);
     for (const fs::path& mask : take_masks(pictures))
-        warnings.push_back(fmt::format("{}: left out, since its name says that it is a mask", mask.string()));
+        warnings.push_back(fmt::format("{}: rejected, since its name says that it is a mask", mask.string()));
     if (pictures.empty())
         fail("{}: no photographs (JPEG, PNG, TIFF, EXR, TGA or camera raw) in this folder", folder.string());
     return pictures;

@@ -8,15 +8,15 @@
 namespace tangi {
 
 struct UsableOptions {
-    bool any_loss = false;     // however many cannot be used, as long as one is left
-    bool finds_mask = true;    // a picture in the folder whose name says mask is one, where none is given
-    LightFlips lights_flip{};  // of the vectors of an .lp
+    bool any_loss = false;   // however many cannot be used, as long as one is left
+    bool finds_mask = true;  // a picture in the folder whose name says mask is one, where none is given
+    LightAxes light_axes{};  // of the vectors of an .lp
 };
 
 struct UsableStack {
     Stack stack;
-    std::vector<LeftOut> left_out;  // lit from below the painting's plane, too
-    bool lights_by_order = false;   // no name in the lights file is that of a photograph
+    std::vector<RejectedPhoto> rejected;  // lit from below the painting's plane, too
+    bool lights_by_order = false;         // no name in the lights file is that of a photograph
     std::optional<std::filesystem::path> found_mask{};
     std::vector<std::string> poor{};  // what calibrate called poor of what is used
 };
@@ -28,9 +28,9 @@ struct UsableStack {
 UsableStack open_usable_stack(const std::filesystem::path& folder, const StackOptions& options,
                               const UsableOptions& usable = {});
 
-// As open_photographs(), but goes on without photographs that cannot be used, which are added to `left_out`;
+// As open_photographs(), but goes on without photographs that cannot be used, which are added to `rejected`;
 // with a warning for each. Throws as open_usable_stack().
 Stack open_usable_photographs(const std::vector<std::filesystem::path>& paths, const StackOptions& options,
-                              std::vector<LeftOut>& left_out);
+                              std::vector<RejectedPhoto>& rejected);
 
 }  // namespace tangi

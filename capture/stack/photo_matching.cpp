@@ -53,7 +53,7 @@ public:
           photos_(pictures_) {
         result_.masks = take_masks(photos_);
         // Photographs of lights that cannot be read are known, and need no second warning.
-        for (const LeftOut& light : calibration.left_out)
+        for (const RejectedPhoto& light : calibration.rejected)
             if (const auto photo = photo_named(light.name, folder_, pictures_).photo)
                 used_.emplace(photo->lexically_normal(), light.name);
         brackets_ = brackets_of(develop.brackets, folder_, photos_, lights_);
@@ -143,13 +143,13 @@ private:
             return;
         }
         if (same == result_.photos.end()) return;  // a third light of it
-        result_.left_out.push_back(
+        result_.rejected.push_back(
             {same->light.name, what + ", under different lights; remove the line that is wrong"});
         result_.photos.erase(same);
     }
 
     void take_by_order() {
-        // Lamps are numbered as people count, unless the file's own names show that a program sorted them.
+        // Lights are numbered as people count, unless the file's own names show that a program sorted them.
         std::vector<std::string> names;
         for (const Light& light : lights_) names.push_back(light.name);
         const bool by_letters = !lights_.front().name.empty() && std::is_sorted(names.begin(), names.end()) &&
@@ -199,7 +199,7 @@ private:
 
     void leave_out(const std::vector<std::string>& names, const std::string& what) {
         if (all_or_none_) throw Error(what);
-        for (const std::string& name : names) result_.left_out.push_back({name, what});
+        for (const std::string& name : names) result_.rejected.push_back({name, what});
     }
 
     void tell_choices() {

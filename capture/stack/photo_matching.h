@@ -13,7 +13,7 @@ namespace tangi {
 
 struct PhotoMatch {
     std::vector<StackPhoto> photos;
-    std::vector<LeftOut> left_out;             // lights without a photograph, photographs with two lights
+    std::vector<RejectedPhoto> rejected;       // lights without a photograph, photographs with two lights
     std::vector<std::filesystem::path> masks;  // take_masks(), but for those that a light names
     bool by_order = false;  // no name is that of a photograph: lights were taken in the order of file names
     std::vector<std::string> warnings;

@@ -67,21 +67,21 @@ std::string difference(const PhotoHeader& header, const PhotoHeader& other, cons
     return {};
 }
 
-void tell(const std::vector<LeftOut>& left_out, std::size_t first, std::vector<std::string>& warnings) {
-    for (std::size_t i = first; i < left_out.size(); ++i)
+void tell(const std::vector<RejectedPhoto>& rejected, std::size_t first, std::vector<std::string>& warnings) {
+    for (std::size_t i = first; i < rejected.size(); ++i)
         if (i == first ||
-            left_out[i].reason != left_out[i - 1].reason)  // several that are missing are told once
-            warnings.push_back(left_out[i].reason + "; left out");
+            rejected[i].reason != rejected[i - 1].reason)  // several that are missing are told once
+            warnings.push_back(rejected[i].reason + "; rejected");
 }
 
-void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out) {
-    const std::size_t before = left_out.size();
+void leave_out_unusable(Stack& stack, std::vector<RejectedPhoto>& rejected) {
+    const std::size_t before = rejected.size();
     std::map<fs::path, PhotoHeader> headers;
     std::erase_if(stack.photos, [&](const StackPhoto& photo) {
         for (const fs::path& path : files_of(photo)) try {
                 headers[path] = PhotoFile(path).header();
             } catch (const PhotoError& error) {
-                left_out.push_back({photo.light.name, error.what()});
+                rejected.push_back({photo.light.name, error.what()});
                 return true;
             }
         return false;
@@ -98,12 +98,12 @@ void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out) {
         for (const fs::path& path : files_of(photo)) {
             const std::string why = difference(headers[path], headers[like], like.filename().string());
             if (why.empty()) continue;
-            left_out.push_back({photo.light.name, fmt::format("{}: {}", path.string(), why)});
+            rejected.push_back({photo.light.name, fmt::format("{}: {}", path.string(), why)});
             return true;
         }
         return false;
     });
-    tell(left_out, before, stack.warnings);
+    tell(rejected, before, stack.warnings);
 }
 
 Image<float> read_photo_mask(const fs::path& path) {
@@ -130,7 +130,7 @@ std::optional<fs::path> mask_among(const std::vector<fs::path>& masks, const Reg
                 path.string()));
         else
             warnings.push_back(fmt::format(
-                "{}: left out, since its name says that it is a mask; --mask FILE names one to use",
+                "{}: rejected, since its name says that it is a mask; --mask FILE names one to use",
                 path.string()));
     return fitting.size() == 1 ? std::optional(fitting.front()) : std::nullopt;
 }

@@ -14,11 +14,11 @@ std::vector<std::filesystem::path> files_of(const StackPhoto& photo);
 std::string difference(const PhotoHeader& header, const PhotoHeader& other, const std::string& name);
 
 // A warning for each that is left out, from `first` on.
-void tell(const std::vector<LeftOut>& left_out, std::size_t first, std::vector<std::string>& warnings);
+void tell(const std::vector<RejectedPhoto>& rejected, std::size_t first, std::vector<std::string>& warnings);
 
 // Takes photographs that cannot be opened, and those that are not stored as most are, out of the stack, with
-// a warning for each, and adds them to `left_out`. Only headers are read.
-void leave_out_unusable(Stack& stack, std::vector<LeftOut>& left_out);
+// a warning for each, and adds them to `rejected`. Only headers are read.
+void leave_out_unusable(Stack& stack, std::vector<RejectedPhoto>& rejected);
 
 // A mask of photographs as stored: how bright the brightest channel is, 0..1, and what of it can be seen
 // (see_through() of image_alpha.h). Throws Error naming the file.

@@ -13,9 +13,9 @@ struct PixelSamples {
     std::vector<glm::dvec3> light;  // [unit vector] to each light, from this pixel
     std::vector<double>
         irradiance;  // [photo * channels + channel] white_level * gain: what a matt white would read
-    std::vector<double> ambient;  // [1] of each photo: light from all around, as a part of the lamp's
-    // [1] of each photo: part of the lamp that reaches the pixel past the relief, as far as is known; what is
-    // in shadow is the less certain the more of the lamp it lacks. 1 where nothing is known.
+    std::vector<double> ambient;  // [1] of each photo: light from all around, as a part of the light's
+    // [1] of each photo: part of the light that reaches the pixel past the relief, as far as is known; what
+    // is in shadow is the less certain the more of the light it lacks. 1 where nothing is known.
     std::vector<double> visible;
     std::vector<double> value;  // [photo * channels + channel] linear pixel value
     std::vector<double> sigma;  // same layout: [1] standard deviation expected of value; 0 = leave it

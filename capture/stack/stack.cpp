@@ -47,7 +47,8 @@ void relate_to_reference(std::vector<StackPhoto>& photos) {
     }
 }
 
-void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path, std::vector<LeftOut>& left_out) {
+void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path,
+                                 std::vector<RejectedPhoto>& rejected) {
     std::vector<std::string> below;
     std::vector<StackPhoto> kept;
     for (StackPhoto& photo : stack.photos) {
@@ -57,7 +58,7 @@ void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path, std:
         }
         const double z = photo.light.direction.z;
         below.push_back(fmt::format("{} (z = {:.4f})", photo.light.name, z));
-        left_out.push_back(
+        rejected.push_back(
             {photo.light.name,
              fmt::format("{}: its light comes from below the painting's plane (z = {:.4f}); correct it there",
                          lights_path.string(), z)});
@@ -70,7 +71,7 @@ void leave_out_lights_from_below(Stack& stack, const fs::path& lights_path, std:
             "if all are negative, the file uses the opposite sign",
             lights_path.string(), below.size(), below.size() + stack.photos.size(), joined(below));
     stack.warnings.push_back(
-        fmt::format("{}: left out {} photograph{} lit from below the painting's plane: {}",
+        fmt::format("{}: rejected {} photograph{} lit from below the painting's plane: {}",
                     lights_path.string(), below.size(), below.size() == 1 ? "" : "s", joined(below)));
 }
 
@@ -212,7 +213,7 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
     stack.folder = folder;
     stack.develop = options.develop;
     StackCalibration calibration =
-        read_stack_calibration(folder, options, usable ? usable->lights_flip : LightFlips{});
+        read_stack_calibration(folder, options, usable ? usable->light_axes : LightAxes{});
     stack.warnings = calibration.warnings;
     result.poor = calibration.poor;
     PhotoMatch match = match_photos(folder, options.develop, calibration, usable == nullptr);
@@ -221,15 +222,15 @@ UsableStack opened(const fs::path& folder, const StackOptions& options, const Us
     result.lights_by_order = match.by_order;
     relate_to_reference(stack.photos);
     if (usable) {
-        result.left_out = calibration.left_out;
-        result.left_out.insert(result.left_out.end(), match.left_out.begin(), match.left_out.end());
-        tell(match.left_out, 0, stack.warnings);
-        leave_out_unusable(stack, result.left_out);
+        result.rejected = calibration.rejected;
+        result.rejected.insert(result.rejected.end(), match.rejected.begin(), match.rejected.end());
+        tell(match.rejected, 0, stack.warnings);
+        leave_out_unusable(stack, result.rejected);
         if (!usable->any_loss || stack.photos.empty())
-            require_few(result.left_out, stack.photos.size() + result.left_out.size(), kFewestPhotos,
+            require_few(result.rejected, stack.photos.size() + result.rejected.size(), kFewestPhotos,
                         folder.string());
     }
-    leave_out_lights_from_below(stack, calibration.lights_path, result.left_out);
+    leave_out_lights_from_below(stack, calibration.lights_path, result.rejected);
     check_headers(stack);
     relate_profiles(stack);
     if (std::string doubt = doubt_of_pixels(stack); !doubt.empty()) result.poor.push_back(std::move(doubt));
@@ -256,10 +257,10 @@ Stack open_photographs(const std::vector<fs::path>& paths, const StackOptions& o
 }
 
 Stack open_usable_photographs(const std::vector<fs::path>& paths, const StackOptions& options,
-                              std::vector<LeftOut>& left_out) {
+                              std::vector<RejectedPhoto>& rejected) {
     Stack stack = photographs_of(paths, options);
-    leave_out_unusable(stack, left_out);
-    require_few(left_out, stack.photos.size() + left_out.size(), 1, stack.folder.string());
+    leave_out_unusable(stack, rejected);
+    require_few(rejected, stack.photos.size() + rejected.size(), 1, stack.folder.string());
     check_headers(stack);
     relate_profiles(stack);
     return stack;

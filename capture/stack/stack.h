@@ -45,7 +45,7 @@ struct StackPhoto {
     // More than one where the photograph is a bracket; `path` is then the one nearest to the reference
     // exposure.
     std::vector<Exposure> exposures{};
-    // [deg] Standard error of the light's direction, where a calibration by balls tells it; else 0.
+    // [deg] Standard error of the light's direction, where a calibration by spheres tells it; else 0.
     double direction_sigma_deg = 0;
 };
 

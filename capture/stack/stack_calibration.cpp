@@ -38,7 +38,7 @@ fs::path find_lights_file(const fs::path& folder) {
             "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
             "make one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated "
             "(without "
-            "--uncalibrated where they show a mirror ball)",
+            "--uncalibrated where they show a mirror sphere)",
             folder.string());
     if (found.size() > 1)
         fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
@@ -56,7 +56,7 @@ void apply_colour(Stack& stack, const CaptureColour& colour, const fs::path& pat
     if (colour.misfit > kWorstChart) {
         stack.warnings.push_back(fmt::format(
             "{}: its colours are not used, since they are off by {:.1f} (mean CIEDE2000 of the chart): "
-            "is it a colour chart, and in the lamps' light?",
+            "is it a colour chart, and in their light?",
             path.string(), colour.misfit));
         return;
     }
@@ -125,16 +125,16 @@ Vec3 turned(const Vec3& v, double degrees) {
     return Vec3(static_cast<float>(c * x - s * y), static_cast<float>(s * x + c * y), v.z);
 }
 
-void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCalibration& read) {
+void read_lp(const fs::path& path, bool in_mm, const LightAxes& axes, StackCalibration& read) {
     LightsFile file = read_lights_file(path);
     read.lights = std::move(file.lights);
     read.warnings = std::move(file.warnings);
-    read.left_out = std::move(file.left_out);
+    read.rejected = std::move(file.rejected);
     add_what_is_beside(path, read);
     for (Light& light : read.lights) {
-        if (flips.x) light.direction.x *= -1;
-        if (flips.y) light.direction.y *= -1;
-        if (flips.turn_deg != 0) light.direction = turned(light.direction, flips.turn_deg);
+        if (axes.flip_x) light.direction.x *= -1;
+        if (axes.flip_y) light.direction.y *= -1;
+        if (axes.rotation_deg != 0) light.direction = turned(light.direction, axes.rotation_deg);
     }
     const auto [shortest, longest] = std::minmax_element(file.lengths.begin(), file.lengths.end());
     if (in_mm) {
@@ -153,7 +153,7 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
     } else if (*longest > kLengthsDiffer * *shortest) {
         read.warnings.push_back(fmt::format(
             "{}: its vectors have lengths from {:.4g} to {:.4g}, and are taken for directions; if they are "
-            "the lamps' positions in mm from the picture's centre, say --lights-mm",
+            "the lights' positions in mm from the picture's centre, say --lights-mm",
             path.string(), *shortest, *longest));
     }
 }
@@ -163,21 +163,22 @@ void read_lp(const fs::path& path, bool in_mm, const LightFlips& flips, StackCal
          path.string());
 }
 
-[[noreturn]] void refuse_flips(const fs::path& path) {
+[[noreturn]] void refuse_axes(const fs::path& path) {
     fail(
-        "{}: --lights-flip-x, --lights-flip-y and --lights-turn are about the vectors of an .lp; in this "
-        "file x points right and y up",
+        "{}: --light-axes and --light-rotation-deg are about the vectors of an .lp; in this file x points "
+        "right "
+        "and y up",
         path.string());
 }
 
 // Of a lights file of any kind but capture.json.
-StackCalibration read_lights(const fs::path& path, bool in_mm, const LightFlips& flips) {
+StackCalibration read_lights(const fs::path& path, bool in_mm, const LightAxes& axes) {
     StackCalibration read;
     read.lights_path = path;
     const std::string extension = lower_extension(path);
     const bool is_lp = extension != ".dome" && extension != ".relight";
     if (in_mm && !is_lp) refuse_lights_in_mm(path);
-    if (flips.any() && !is_lp) refuse_flips(path);
+    if (axes.differ() && !is_lp) refuse_axes(path);
     if (extension == ".dome") {
         DomeFile dome = read_dome_file(path);
         read.lights = std::move(dome.lights);
@@ -191,7 +192,7 @@ StackCalibration read_lights(const fs::path& path, bool in_mm, const LightFlips&
         read.picture_width_mm = project.picture_width_mm;
         read.warnings = std::move(project.warnings);
     } else {
-        read_lp(path, in_mm, flips, read);
+        read_lp(path, in_mm, axes, read);
     }
     if (read.capture) read.capture->lights = read.lights, read.capture_path = path;
     return read;
@@ -204,7 +205,7 @@ std::vector<Light> directions_of(const std::vector<Light>& lights) {
     return result;
 }
 
-// Vectors of length 1 are no positions: a lamp 1 mm before the painting's middle is none.
+// Vectors of length 1 are no positions: a light 1 mm before the painting's middle is none.
 bool are_directions(const std::vector<Light>& lights) {
     return std::all_of(lights.begin(), lights.end(), [](const Light& light) {
         return light.position_mm && std::abs(glm::length(*light.position_mm) - 1) < 0.02f;
@@ -220,8 +221,28 @@ std::string joined(const std::vector<std::string>& names, std::size_t most) {
     return text;
 }
 
+std::optional<LightAxes> light_axes_of(std::string_view text) {
+    for (const bool flip_x : {false, true})
+        for (const bool flip_y : {false, true})
+            for (const double rotation_deg : {0.0, 90.0, -90.0}) {
+                const LightAxes axes{flip_x, flip_y, rotation_deg};
+                // What the first and the second number of a line become.
+                Vec3 of_x(flip_x ? -1 : 1, 0, 0), of_y(0, flip_y ? -1 : 1, 0);
+                of_x = turned(of_x, rotation_deg), of_y = turned(of_y, rotation_deg);
+                const auto term = [](float x, float y) {
+                    return fmt::format("{}{}", x + y < 0 ? "-" : "", x != 0 ? "x" : "y");
+                };
+                if (text == fmt::format("{},{},z", term(of_x.x, of_y.x), term(of_x.y, of_y.y))) return axes;
+            }
+    return std::nullopt;
+}
+
+std::string in_words(const LightAxes& axes) {
+    return fmt::format("{}x,{}y,z", axes.flip_x ? "-" : "", axes.flip_y ? "-" : "");
+}
+
 StackCalibration read_stack_calibration(const fs::path& folder, const StackOptions& options,
-                                        const LightFlips& flips) {
+                                        const LightAxes& axes) {
     std::optional<CaptureFile> capture;
     if (options.capture_file) capture = read_capture_file(*options.capture_file);
     fs::path lights_path;
@@ -230,7 +251,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
     else
         lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
     if (lower_extension(lights_path) != ".json") {
-        StackCalibration read = read_lights(lights_path, options.lights_in_mm, flips);
+        StackCalibration read = read_lights(lights_path, options.lights_in_mm, axes);
         if (options.lights_in_mm && are_directions(read.lights))
             fail(
                 "{}: its vectors are all of length 1: directions, not positions in mm; leave out --lights-mm",
@@ -238,7 +259,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         if (options.lights_in_mm && !(capture && capture->mm_per_pixel))
             fail(
                 "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "
-                "--out scale.json --no-balls --ppi …, --scale-bar, --marker-mm or --corners) and give "
+                "--out scale.json --no-spheres --ppi …, --scale-bar, --marker-mm or --corners) and give "
                 "--capture "
                 "scale.json",
                 lights_path.string(), folder.string());
@@ -255,7 +276,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         return read;
     }
     if (options.lights_in_mm) refuse_lights_in_mm(lights_path);
-    if (flips.any()) refuse_flips(lights_path);
+    if (axes.differ()) refuse_axes(lights_path);
     if (capture && lights_path != *options.capture_file)
         fail("{} and {}: give one capture file, and a lights file (.lp) beside it", lights_path.string(),
              options.capture_file->string());

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "capture/formats/capture_file.h"
@@ -12,13 +13,18 @@
 
 namespace tangi {
 
-// Vectors of a lights file to mirror and turn, since its axes point another way: many programs have y
-// downwards.
-struct LightFlips {
-    bool x = false, y = false;
-    double turn_deg = 0;  // then, counter-clockwise as the camera sees it
-    bool any() const { return x || y || turn_deg != 0; }
+// How the axes of a lights file point, where not x right, y up: many programs have y downwards.
+struct LightAxes {
+    bool flip_x = false, flip_y = false;
+    double rotation_deg = 0;  // then, counter-clockwise as the camera sees it
+    bool differ() const { return flip_x || flip_y || rotation_deg != 0; }
 };
+
+// The axes that "x,-y,z" or "y,x,z" says: x and y in any order, each with a sign. Nothing where it says none.
+std::optional<LightAxes> light_axes_of(std::string_view text);
+
+// "x,-y,z": the signs of axes, but for their rotation.
+std::string in_words(const LightAxes& axes);
 
 // What the files of a stack tell, before it is known which photographs there are.
 struct StackCalibration {
@@ -33,12 +39,12 @@ struct StackCalibration {
     std::optional<double> picture_width_mm{};  // of a .dome or .relight
     std::vector<std::string> warnings{};
     std::vector<std::string> poor{};  // what calibrate called poor of the capture files that these are of
-    std::vector<LeftOut> left_out{};  // lines of an .lp that are no light, told in the warnings too
+    std::vector<RejectedPhoto> rejected{};  // lines of an .lp that are no light, told in the warnings too
 };
 
 // The files that `options` name; else the one lights file of the folder. Throws Error naming file and place.
 StackCalibration read_stack_calibration(const std::filesystem::path& folder, const StackOptions& options,
-                                        const LightFlips& flips = {});
+                                        const LightAxes& axes = {});
 
 // Makes the stack the picture that the capture file describes. Throws Error where it was made from
 // photographs of another size.

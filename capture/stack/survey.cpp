@@ -221,7 +221,7 @@ void leave_out_black_photos(Stack& stack, Survey& survey, std::size_t fewest) {
     keep_photos(stack, survey, keep);
     const auto tell = [&](const std::vector<std::string>& of, const char* one, const char* several) {
         if (!of.empty())
-            stack.warnings.push_back(fmt::format("{}: left out {} photograph{} that {}: {}",
+            stack.warnings.push_back(fmt::format("{}: rejected {} photograph{} that {}: {}",
                                                  stack.folder.string(), of.size(), of.size() == 1 ? "" : "s",
                                                  of.size() == 1 ? one : several, fmt::join(of, ", ")));
     };

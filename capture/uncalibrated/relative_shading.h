@@ -1,4 +1,4 @@
-// relative_shading.h: what lamps make of a nearly flat object beside its own brightness, and the two factors
+// relative_shading.h: what lights make of a nearly flat object beside its own brightness, and the two factors
 // of it.
 #pragma once
 
@@ -22,7 +22,7 @@ struct RelativeShading {
 
 // 1 + value ~ level (1 + left right^T), left and right of two columns, robustly: least squares for one side
 // and the other in turn. The mean of `left` is 0, so that `level` is what a flat object would show: the
-// middle of what a relief shows lies below it, the more so the lower the lamp, as shadows and ln are not
+// middle of what a relief shows lies below it, the more so the lower the light, as shadows and ln are not
 // symmetric.
 struct ShadingFactors {
     Eigen::MatrixXd left, right;  // [pixels x 2], [photos x 2]

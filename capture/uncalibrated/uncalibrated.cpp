@@ -82,8 +82,8 @@ Matrix2d least_curl(const MatrixXd& slopes, int width, int height, double& curl)
     return best;
 }
 
-// The rotation (and mirror image) under which photographs are brightest on the side of their lamp, as near
-// lamps make them, and how well it explains all of their falloff: 1 = entirely.
+// The rotation (and mirror image) under which photographs are brightest on the side of their light, as near
+// lights make them, and how well it explains all of their falloff: 1 = entirely.
 Matrix2d towards_falloff(const MatrixXd& t, const MatrixXd& falloff, double& agreement) {
     MatrixXd l = t;
     for (Index j = 0; j < t.rows(); ++j) l.row(j) /= std::sqrt(1 + t.row(j).squaredNorm());
@@ -126,18 +126,18 @@ double skewness_of_curvature(const MatrixXd& slopes, int width, int height) {
 // What photographs, or a part of them, say.
 struct StereoSolution {
     ShadingFactors factors;
-    EqualStrength lamps;
+    EqualStrength lights;
     MatrixXd t, slopes;  // turned, so that slopes are those of a surface
     double curl = 0, falloff = 0;
 };
 
 StereoSolution upgraded(const RelativeShading& shading, const ShadingFactors& factors, bool glossy) {
-    StereoSolution s{.factors = factors, .lamps = {}, .t = {}, .slopes = {}};
-    s.lamps =
+    StereoSolution s{.factors = factors, .lights = {}, .t = {}, .slopes = {}};
+    s.lights =
         by_equal_strength(factors.right, shading.log_level + factors.level.array().log().matrix(), glossy);
     // 1 + value = 1 - slopes . t with t = g right: the shift is in the pixels' albedo.
-    s.slopes = -factors.left * s.lamps.g.inverse();
-    s.t = s.lamps.t;
+    s.slopes = -factors.left * s.lights.g.inverse();
+    s.t = s.lights.t;
     Matrix2d turn = least_curl(s.slopes, shading.width, shading.height, s.curl);
     const Matrix2d by_falloff = towards_falloff(s.t, shading.falloff, s.falloff);
     if (s.falloff > kFalloffTells && s.curl > kCurlTells) turn = by_falloff;
@@ -171,7 +171,7 @@ std::vector<StereoSolution> parts_solved(const RelativeShading& s) {
 
 glm::dvec3 direction_of(const Eigen::RowVector2d& t) { return glm::normalize(glm::dvec3(t(0), t(1), 1)); }
 
-// [deg] Of each lamp: how much quarters of the picture differ from the whole, which is no better for being
+// [deg] Of each light: how much quarters of the picture differ from the whole, which is no better for being
 // larger: what bends one quarter (gloss, light between relief, a tone curve) bends all; all that gloss makes
 // of it, since that is told by the levels alone, what its own strength may have turned it by, the azimuth
 // where nothing tells it, and what the shading that two factors do not explain would make of the elevations
@@ -185,7 +185,7 @@ std::vector<double> errors_deg(const StereoSolution& all, const StereoSolution& 
         return deg * deg;
     };
     const double photos = static_cast<double>(all.t.rows()), count = static_cast<double>(parts.size());
-    // Of t = l.xy / l.z, the same for all lamps, as shading is.
+    // Of t = l.xy / l.z, the same for all lights, as shading is.
     const double explained = std::clamp(all.factors.explained, 0.1, 1.0);
     const double unexplained = kAlong * std::sqrt((1 - explained) / explained * all.t.squaredNorm() / photos);
     std::vector<double> sigmas;
@@ -207,7 +207,7 @@ std::vector<double> errors_deg(const StereoSolution& all, const StereoSolution& 
 
 void require_usable(const std::vector<Image<float>>& pictures) {
     if (pictures.size() < kFewestUncalibrated)
-        fail("{} photographs; without balls and without a lights file at least {} are needed",
+        fail("{} photographs; without spheres and without a lights file at least {} are needed",
              pictures.size(), kFewestUncalibrated);
     for (const Image<float>& picture : pictures)
         TP_REQUIRE(picture.region() == pictures.front().region(), "all pictures have one size");
@@ -220,7 +220,7 @@ void add_warnings(UncalibratedLights& result) {
     if (const double middle = median(result.sigma_deg); middle > kUncertain_deg)
         result.warnings.push_back(fmt::format(
             "the directions are uncertain by {:.0f} degrees (median standard error), and the strength of the "
-            "relief with their elevations; a mirror ball would tell them",
+            "relief with their elevations; a mirror sphere would tell them",
             middle));
     if (result.explained < 0.5)
         result.warnings.push_back(fmt::format(
@@ -229,7 +229,7 @@ void add_warnings(UncalibratedLights& result) {
             100 * result.explained));
     if (result.strength_scatter > 0.25)
         result.warnings.push_back(fmt::format(
-            "the lamps seem to differ in strength by {:.0f} % (rms), though they are taken to be equal: "
+            "the lights seem to differ in strength by {:.0f} % (rms), though they are taken to be equal: "
             "elevations, and with them the strength of the relief, are doubtful",
             100 * result.strength_scatter));
     if (!tells_azimuths(result.curl, result.falloff))
@@ -258,7 +258,7 @@ UncalibratedLights uncalibrated_lights(const std::vector<Image<float>>& pictures
     UncalibratedLights result;
     MatrixXd slopes = glossy.slopes, t = glossy.t;
     result.curl = glossy.curl, result.falloff = glossy.falloff;
-    result.gloss = glossy.lamps.gloss;
+    result.gloss = glossy.lights.gloss;
     const double skewness = -skewness_of_curvature(slopes, shading.width, shading.height);
     const bool as_it_is =
         glossy.falloff > kFalloffTells ? agreement_of(t, shading.falloff) > 0 : skewness >= 0;
@@ -270,12 +270,12 @@ UncalibratedLights uncalibrated_lights(const std::vector<Image<float>>& pictures
 
     for (Index j = 0; j < t.rows(); ++j) {
         result.directions.push_back(direction_of(t.row(j)));
-        result.strengths.push_back(std::exp(glossy.lamps.log_strengths[j]));
+        result.strengths.push_back(std::exp(glossy.lights.log_strengths[j]));
     }
     const double middle = median(result.strengths);
     for (double& strength : result.strengths) strength /= middle;
     result.strength_scatter =
-        std::sqrt(glossy.lamps.log_strengths.squaredNorm() / static_cast<double>(t.rows()));
+        std::sqrt(glossy.lights.log_strengths.squaredNorm() / static_cast<double>(t.rows()));
     result.sigma_deg = errors_deg(glossy, matt, parts, result.strength_scatter);
     result.residual = glossy.factors.residual;
     result.explained = glossy.factors.explained;

@@ -7,7 +7,7 @@
 // outliers. The factors are known up to an invertible 2 x 2 matrix (Hayakawa 1994, "Photometric stereo under
 // a light source with arbitrary motion": 3 x 3; that the object is flat as a whole fixes the rest). It is
 // resolved by
-//   strength       the lamps are about equally strong (Hayakawa 1994), and what a flat object shows of them
+//   strength       the lights are about equally strong (Hayakawa 1994), and what a flat object shows of them
 //   is
 //                  matt reflection and a lobe (equal_intensity.h); that gives the matrix up to a rotation and
 //                  a mirror image, and with it the relief's strength
@@ -18,7 +18,7 @@
 //   tells:
 //                  paint is taken to stand out from its ground, which makes the relief's tops sharper than
 //                  its bottoms. `inverted` asks for the other reading.
-// What varies slowly over the picture (lamps' falloff, a bulge) is taken out first, as the object is flat as
+// What varies slowly over the picture (lights' falloff, a bulge) is taken out first, as the object is flat as
 // a whole.
 #pragma once
 
@@ -39,14 +39,14 @@ struct UncalibratedOptions {
 struct UncalibratedLights {
     std::vector<glm::dvec3> directions;  // [unit vectors] of the photographs
     std::vector<double> sigma_deg;       // [deg] standard errors of the directions, but for the reading
-    std::vector<double> strengths;       // [1] found for the lamps; the median is 1
+    std::vector<double> strengths;       // [1] found for the lights; the median is 1
     Image<glm::vec2> slopes;             // of the reduced pictures (height grows along x right, y up)
     double strength_scatter = 0;         // [1] rms of ln strength: how far the assumption holds
-    double gloss = 0;      // [1] reflection that is not matt, of a flat object under a lamp along z
+    double gloss = 0;      // [1] reflection that is not matt, of a flat object under a light along z
     double residual = 0;   // [1] median of |measured / explained - 1|
     double explained = 0;  // [0..1] part of the shading's variance that rank 2 explains
     double curl = 0;     // [0..1] of the slopes found, as a part of that of the worst rotation: 0 = a surface
-    double falloff = 0;  // [0..1] how well near lamps on these sides explain what varies slowly
+    double falloff = 0;  // [0..1] how well near lights on these sides explain what varies slowly
     double convexity = 0;               // [1] skewness of the curvature; near 0 the convention says nothing
     std::vector<std::string> warnings;  // what is doubtful
 };

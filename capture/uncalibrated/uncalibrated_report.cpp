@@ -45,9 +45,9 @@ std::string figure(const Image<glm::vec2>& slopes, const fs::path& scratch, cons
 UncalibratedStack calibrate_uncalibrated(const PhotoSet& set, const UncalibratedStackOptions& options,
                                          const Progress& progress) {
     UncalibratedStack result;
-    BallCalibration& c = result.calibration;
+    SphereCalibration& c = result.calibration;
     const GreyPhotos photos = read_grey_photos(set, progress, set.size() * kReducedPixels);
-    require_same_subject(set, camera_shakes(photos, progress));
+    require_same_subject(set, find_camera_motions(photos, progress));
     result.transfer = transfer_for(set, options, c.warnings);
     c.method = "uncalibrated";
     c.width = photos.width, c.height = photos.height;

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "capture/sphere_lights/ball_calibration.h"
+#include "capture/sphere_lights/sphere_calibration.h"
 #include "capture/stack/photo_set.h"
 #include "capture/uncalibrated/uncalibrated.h"
 #include "surface/image/colour.h"
@@ -19,8 +19,8 @@ struct UncalibratedStackOptions {
 };
 
 struct UncalibratedStack {
-    BallCalibration calibration;  // without balls; its method is "uncalibrated"
-    UncalibratedLights found;     // of the photographs that are not left out
+    SphereCalibration calibration;  // without spheres; its method is "uncalibrated"
+    UncalibratedLights found;       // of the photographs that are not left out
     Transfer transfer;
 };
 

@@ -21,7 +21,7 @@ void require_within(std::span<const double> numbers, double least, double most, 
             throw UsageError(fmt::format("{} {}: {:g} is not in [{:g}, {:g}]", flag, text, n, least, most));
 }
 
-GivenBall ball_of(const std::string& text) {
+GivenSphere sphere_of(const std::string& text) {
     const std::string form = "X,Y,R or a box X0,Y0,X1,Y1 in pixels";
     const std::vector<double> n = numbers_in(text, "--sphere", form);
     require_within(n, -kFarthest_px, kFarthest_px, text, "--sphere");
@@ -70,13 +70,13 @@ void CalibrateArguments::add_to(Flags& flags) {
         .required();
     flags.flag("--force", force, "replace files of these names even where tangipaint did not write them");
     flags.option("--sphere", spheres,
-                 "where a ball is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
-                 "ball; found automatically where not given");
-    flags.flag("--matt-ball", matt, "the ball is matt (grey or white), not a mirror");
-    flags.flag("--no-balls", no_balls, "look for no balls: only colours, scale, lens and plane");
+                 "where a sphere is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
+                 "sphere; found automatically where not given");
+    flags.flag("--diffuse-sphere", matt, "the sphere is matt (grey or white), not a mirror");
+    flags.flag("--no-spheres", no_spheres, "look for no spheres: only colours, scale, lens and plane");
     flags
-        .option("--ball-radius-mm", ball_radius_mm,
-                "radius of the balls; two balls or more then tell positions")
+        .option("--sphere-radius-mm", sphere_radius_mm,
+                "radius of the spheres; two spheres or more then tell positions")
         .check(within(0.1, 1e4));
     flags.option("--focal-px", focal_px, "focal length of the camera in pixels; far away where not given")
         .check(within(10, 1e6));
@@ -89,11 +89,11 @@ void CalibrateArguments::add_to(Flags& flags) {
     flags.option("--camera-distance-mm", camera_distance_mm, "from the camera to the painting's plane")
         .check(within(1, 1e6));
     flags
-        .option("--ball-height-mm", ball_height_mm,
-                "of the balls' centres above the painting's plane; their radius where not given")
+        .option("--sphere-height-mm", sphere_height_mm,
+                "of the spheres' centres above the painting's plane; their radius where not given")
         .check(within(-1e5, 1e5));
     flags.flag("--uncalibrated", uncalibrated,
-               "find the lights from the photographs of a nearly flat object alone, without balls");
+               "find the lights from the photographs of a nearly flat object alone, without spheres");
     flags.flag("--inverted", inverted,
                "with --uncalibrated: the other reading of the relief, hills for valleys (see the report)");
     flags.flag("--fixed-camera", fixed_camera, "the camera did not move: do not register the photographs");
@@ -134,20 +134,20 @@ void CalibrateArguments::add_to(Flags& flags) {
     develop.add_to(flags);
 }
 
-BallCalibrationOptions CalibrateArguments::ball_options() const {
-    BallCalibrationOptions options{.balls = {},
-                                   .matt = matt,
-                                   .fixed_camera = fixed_camera,
-                                   .ball_radius_mm = if_given(ball_radius_mm),
-                                   .focal_px = if_given(focal_px),
-                                   .focal_35mm = if_given(focal_35mm),
-                                   .principal_px = point_of(principal, "--principal-px"),
-                                   .origin_px = point_of(origin, "--origin-px"),
-                                   .camera_distance_mm = if_given(camera_distance_mm),
-                                   .ball_height_mm = ball_height_mm};
-    if (no_balls && (matt || !spheres.empty() || ball_radius_mm > 0))
-        throw UsageError("--no-balls, and a ball is described: give one or the other");
-    for (const std::string& sphere : spheres) options.balls.push_back(ball_of(sphere));
+SphereCalibrationOptions CalibrateArguments::sphere_options() const {
+    SphereCalibrationOptions options{.spheres = {},
+                                     .matt = matt,
+                                     .fixed_camera = fixed_camera,
+                                     .sphere_radius_mm = if_given(sphere_radius_mm),
+                                     .focal_px = if_given(focal_px),
+                                     .focal_35mm = if_given(focal_35mm),
+                                     .principal_px = point_of(principal, "--principal-px"),
+                                     .origin_px = point_of(origin, "--origin-px"),
+                                     .camera_distance_mm = if_given(camera_distance_mm),
+                                     .sphere_height_mm = sphere_height_mm};
+    if (no_spheres && (matt || !spheres.empty() || sphere_radius_mm > 0))
+        throw UsageError("--no-spheres, and a sphere is described: give one or the other");
+    for (const std::string& sphere : spheres) options.spheres.push_back(sphere_of(sphere));
     options.transfer = parse_transfer(transfer);
     return options;
 }

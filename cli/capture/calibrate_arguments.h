@@ -3,7 +3,7 @@
 
 #include "capture/calibration/plane_calibration.h"
 #include "capture/colour_chart/colour_calibration.h"
-#include "capture/sphere_lights/ball_calibration.h"
+#include "capture/sphere_lights/sphere_calibration.h"
 #include "cli/arguments.h"
 
 namespace tangi {
@@ -13,13 +13,13 @@ struct CalibrateArguments {
     bool force = false;  // replace files that this program did not write
     std::vector<std::string> photos;
     DevelopArguments develop;
-    // balls and camera
+    // spheres and camera
     std::vector<std::string> spheres;
     std::string principal, origin;
-    double ball_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
-    std::optional<double> ball_height_mm;
-    bool matt = false, no_balls = false, fixed_camera = false;
-    // no balls, but a nearly flat object
+    double sphere_radius_mm = 0, focal_px = 0, focal_35mm = 0, camera_distance_mm = 0;
+    std::optional<double> sphere_height_mm;
+    bool matt = false, no_spheres = false, fixed_camera = false;
+    // no spheres, but a nearly flat object
     bool uncalibrated = false, inverted = false;
     // chart
     std::string chart = "auto", chart_reference;
@@ -32,7 +32,7 @@ struct CalibrateArguments {
     void add_to(Flags& flags);
 
     // All throw UsageError naming the flag.
-    BallCalibrationOptions ball_options() const;
+    SphereCalibrationOptions sphere_options() const;
     std::optional<ColourCalibrationOptions> colour_options() const;  // none: --chart off
     PlaneOptions plane_options(int width, int height) const;         // of the photographs
 };

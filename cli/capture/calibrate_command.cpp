@@ -22,18 +22,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files) {
-    nlohmann::json balls = nlohmann::json::array(), left_out = nlohmann::json::array();
-    for (const FoundBall& ball : c.balls)
-        balls.push_back({{"name", ball.name},
-                         {"centre_px", {ball.image.centre_px.x, ball.image.centre_px.y}},
-                         {"radius_px", ball.image.radius_px},
-                         {"radius_sigma_px", ball.image.radius_sigma_px}});
+nlohmann::json result_of(const SphereCalibration& c, const CalibrationFiles& files) {
+    nlohmann::json spheres = nlohmann::json::array(), rejected = nlohmann::json::array();
+    for (const FoundSphere& sphere : c.spheres)
+        spheres.push_back({{"name", sphere.name},
+                           {"centre_px", {sphere.image.centre_px.x, sphere.image.centre_px.y}},
+                           {"radius_px", sphere.image.radius_px},
+                           {"radius_sigma_px", sphere.image.radius_sigma_px}});
     std::vector<double> sigmas, position_sigmas;
     int positions = 0;
     for (const CalibratedLight& light : c.lights) {
         if (!light.direction) {
-            left_out.push_back(light.name);
+            rejected.push_back(light.name);
             continue;
         }
         sigmas.push_back(light.direction_sigma_deg);
@@ -51,8 +51,8 @@ nlohmann::json result_of(const BallCalibration& c, const CalibrationFiles& files
         {"capture", files.json.string()},
         {"report", files.page.string()},
         {"method", c.method},
-        {"photographs", {{"all", c.lights.size()}, {"calibrated", c.calibrated()}, {"left_out", left_out}}},
-        {"balls", balls},
+        {"photographs", {{"all", c.lights.size()}, {"calibrated", c.calibrated()}, {"rejected", rejected}}},
+        {"spheres", spheres},
         {"positions", positions},
         {"median_direction_sigma_deg", median(sigmas)},
         {"median_position_sigma_mm", median(position_sigmas)},
@@ -70,7 +70,7 @@ nlohmann::json summary_of(const ColourCalibration& c) {
               {"corrected", finite(c.correction.after.mean)},
               {"corrected_maximum", finite(c.correction.after.maximum)},
               {"worst_photograph", worst ? finite(c.correction.of_photos[*worst].after.mean) : nullptr},
-              {"left_out", finite(c.correction.left_out.mean)}}},
+              {"cross_validated", finite(c.correction.cross_validated.mean)}}},
             {"white_balances", to_json(c.white_balances, c.photos)},
             {"levels", levels}};
 }
@@ -122,11 +122,11 @@ std::vector<fs::path> given_photographs(const CalibrateArguments& a, std::vector
 // The photographs, developed where that is asked for or they are raws.
 PhotoSet photographs(const CalibrateArguments& a, const std::vector<fs::path>& paths,
                      Calibration& calibration, std::vector<std::string>& warnings,
-                     std::vector<LeftOut>& left_out, const Progress& progress) {
+                     std::vector<RejectedPhoto>& rejected, const Progress& progress) {
     StackOptions options;
     options.transfer = parse_transfer(a.transfer);
     options.develop = a.develop.options();
-    Stack stack = open_usable_photographs(paths, options, left_out);
+    Stack stack = open_usable_photographs(paths, options, rejected);
     if (a.develop.asks_anything() && !stack.is_raw && stack.bits != 32 && !stack.transfer) {
         // Frames are subtracted from light, and no light is known yet to tell the curve by.
         const auto stated = transfer_of_metadata(metadata_in(stack, stack.photos.front().path));
@@ -140,14 +140,15 @@ PhotoSet photographs(const CalibrateArguments& a, const std::vector<fs::path>& p
     calibration.development = to_json(report);
     if (stack.is_raw) calibration.raw_colour = a.develop.raw_colour;
     // One picture under two names would count twice: as the fit does, look at all before anything else.
-    for (LeftOut& photo : leave_out_damaged_and_copies(stack, progress)) left_out.push_back(std::move(photo));
-    require_few(left_out, stack.photos.size() + left_out.size(), 1, stack.folder.string());
+    for (RejectedPhoto& photo : leave_out_damaged_and_copies(stack, progress))
+        rejected.push_back(std::move(photo));
+    require_few(rejected, stack.photos.size() + rejected.size(), 1, stack.folder.string());
     warnings.insert(warnings.end(), stack.warnings.begin(), stack.warnings.end());
     return PhotoSet(std::move(stack));
 }
 
 // What the scale and the lens say of the camera, where the user did not.
-void add_camera(const PlaneCalibration& plane, BallCalibrationOptions& options) {
+void add_camera(const PlaneCalibration& plane, SphereCalibrationOptions& options) {
     constexpr double kStraight_deg = 2;  // beyond, the picture's middle is no measure of the distance
     if (!options.focal_px && !options.focal_35mm) options.focal_px = plane.focal_px;
     if (!options.principal_px && plane.geometry && plane.geometry->lens)
@@ -160,20 +161,21 @@ void add_camera(const PlaneCalibration& plane, BallCalibrationOptions& options) 
     options.camera_distance_mm = *plane.focal_px * scale->mm_per_pixel;
 }
 
-// The balls; none where they are not wanted, or not there and something else was found.
-BallCalibration balls_of(const CalibrateArguments& a, const PhotoSet& photos,
-                         const BallCalibrationOptions& options, bool something_else,
-                         const Progress& progress) {
-    if (a.no_balls) return without_balls(photos, options);
+// The spheres; none where they are not wanted, or not there and something else was found.
+SphereCalibration spheres_of(const CalibrateArguments& a, const PhotoSet& photos,
+                             const SphereCalibrationOptions& options, bool something_else,
+                             const Progress& progress) {
+    if (a.no_spheres) return without_spheres(photos, options);
     try {
-        return calibrate_from_balls(photos, options, progress);
-    } catch (const NoBallError& error) {
+        return calibrate_from_spheres(photos, options, progress);
+    } catch (const NoSphereError& error) {
         if (!something_else) throw;
-        BallCalibration none = without_balls(photos, options);
-        // Who describes balls has some in the picture.
-        std::vector<std::string>& said = a.ball_radius_mm > 0 || a.ball_height_mm ? none.poor : none.warnings;
+        SphereCalibration none = without_spheres(photos, options);
+        // Who describes spheres has some in the picture.
+        std::vector<std::string>& said =
+            a.sphere_radius_mm > 0 || a.sphere_height_mm ? none.poor : none.warnings;
         said.push_back(fmt::format(
-            "{}; the rest is written without lights: --no-balls says that there are none", error.what()));
+            "{}; the rest is written without lights: --no-spheres says that there are none", error.what()));
         return none;
     }
 }
@@ -200,7 +202,7 @@ nlohmann::json find_uncalibrated(const CalibrateArguments& a, const PhotoSet& ph
 
 // Warnings and doubts of all parts, into those of the lights.
 void add_notes(const std::vector<std::string>& first, Calibration& calibration) {
-    BallCalibration& lights = calibration.lights;
+    SphereCalibration& lights = calibration.lights;
     lights.warnings.insert(lights.warnings.begin(), first.begin(), first.end());
     const auto add = [&](std::vector<std::string>& to, const std::vector<std::string>& more) {
         to.insert(to.end(), more.begin(), more.end());
@@ -213,18 +215,18 @@ void add_notes(const std::vector<std::string>& first, Calibration& calibration) 
     if (calibration.colours && calibration.colours->correction.after.mean > kWorstChart)
         lights.poor.push_back(
             fmt::format("the colour chart's patches are off by {:.1f} (mean CIEDE2000); is it a "
-                        "chart, and in the lamps' light? The fit will not use it",
+                        "chart, and in their light? The fit will not use it",
                         calibration.colours->correction.after.mean));
 }
 
-// [1] By which the scale that balls and camera tell may differ from a measured one: an outline is good to 0.4
-// pixels, of a radius of 30 or so, and a camera's distance to a hundredth.
+// [1] By which the scale that spheres and camera tell may differ from a measured one: an outline is good to
+// 0.4 pixels, of a radius of 30 or so, and a camera's distance to a hundredth.
 constexpr double kScalesDiffer = 0.05;
 
-// A scale that was asked for and is not there, and one that balls or camera contradict: the fit goes by the
+// A scale that was asked for and is not there, and one that spheres or camera contradict: the fit goes by the
 // one of the plane.
 void add_doubts_of_scale(const CalibrateArguments& a, Calibration& calibration) {
-    BallCalibration& lights = calibration.lights;
+    SphereCalibration& lights = calibration.lights;
     if (a.chart_pitch_mm > 0 && !(calibration.colours && calibration.colours->scale))
         lights.poor.emplace_back(
             "--chart-pitch-mm: no colour chart is found, so that it tells no scale; say where it is "
@@ -232,7 +234,7 @@ void add_doubts_of_scale(const CalibrateArguments& a, Calibration& calibration) 
     const std::optional<Scale> scale = calibration.plane ? calibration.plane->scale() : std::nullopt;
     std::optional<double> other = lights.mm_per_pixel;
     std::string by =
-        lights.balls.empty() ? "the camera's distance and focal length" : "the balls and the camera";
+        lights.spheres.empty() ? "the camera's distance and focal length" : "the spheres and the camera";
     if (!other && calibration.plane && calibration.plane->focal_px && a.camera_distance_mm > 0) {
         other = a.camera_distance_mm / *calibration.plane->focal_px;
         by = "the camera's distance and focal length";
@@ -270,9 +272,10 @@ void require_sense(const CalibrateArguments& a) {
     if (a.folder.empty() == a.photos.empty())
         throw UsageError("give either a folder of photographs (PHOTOS) or photographs (--photos A B …)");
     if (a.inverted && !a.uncalibrated) throw UsageError("--inverted: goes with --uncalibrated");
-    if (a.uncalibrated && (a.matt || a.no_balls || !a.spheres.empty()))
-        throw UsageError("--uncalibrated: takes no ball; leave out --sphere, --matt-ball and --no-balls");
-    (void)a.ball_options();
+    if (a.uncalibrated && (a.matt || a.no_spheres || !a.spheres.empty()))
+        throw UsageError(
+            "--uncalibrated: takes no sphere; leave out --sphere, --diffuse-sphere and --no-spheres");
+    (void)a.sphere_options();
     (void)a.colour_options();
     (void)a.plane_options(INT_MAX, INT_MAX);
 }
@@ -281,12 +284,12 @@ void require_sense(const CalibrateArguments& a) {
 // `paths`, each with a warning.
 nlohmann::json calibrated(const CalibrateArguments& a, const std::vector<fs::path>& paths,
                           const std::optional<EarlierPainting>& earlier, std::vector<std::string> warnings,
-                          std::vector<LeftOut> left_out, const Progress& progress) {
-    for (const LeftOut& photo : left_out) warnings.push_back(photo.reason + "; left out");
+                          std::vector<RejectedPhoto> rejected, const Progress& progress) {
+    for (const RejectedPhoto& photo : rejected) warnings.push_back(photo.reason + "; rejected");
     Calibration calibration;
-    const PhotoSet photos = photographs(a, paths, calibration, warnings, left_out, progress);
+    const PhotoSet photos = photographs(a, paths, calibration, warnings, rejected, progress);
     const PhotoHeader header = photos.open(0).header();
-    BallCalibrationOptions ball_options = a.ball_options();
+    SphereCalibrationOptions sphere_options = a.sphere_options();
     PlaneOptions plane_options = a.plane_options(header.width, header.height);
     plane_options.earlier = earlier;
     if (const auto colour_options = a.colour_options())
@@ -294,11 +297,11 @@ nlohmann::json calibrated(const CalibrateArguments& a, const std::vector<fs::pat
     const ColourCalibration* chart = calibration.colours ? &*calibration.colours : nullptr;
     if (plane_options.asks_anything() || (chart && chart->scale)) {
         calibration.plane = calibrate_plane(photos, plane_options, chart, progress);
-        add_camera(*calibration.plane, ball_options);
+        add_camera(*calibration.plane, sphere_options);
     }
-    if (a.no_balls && !calibration.plane && !chart)
+    if (a.no_spheres && !calibration.plane && !chart)
         fail(
-            "{}: {}, and --no-balls leaves nothing else to look for; ask for something: --chart, --ppi, "
+            "{}: {}, and --no-spheres leaves nothing else to look for; ask for something: --chart, --ppi, "
             "--scale-bar, --marker-mm, --corners, --lens",
             photos.folder().string(),
             a.colour_options() ? "no colour chart is found" : "--chart off looks for no colour chart");
@@ -306,14 +309,14 @@ nlohmann::json calibrated(const CalibrateArguments& a, const std::vector<fs::pat
     if (a.uncalibrated)
         uncalibrated = find_uncalibrated(a, photos, calibration, progress);
     else
-        calibration.lights = balls_of(a, photos, ball_options, calibration.plane || chart, progress);
+        calibration.lights = spheres_of(a, photos, sphere_options, calibration.plane || chart, progress);
     add_notes(warnings, calibration);
     add_doubts_of_scale(a, calibration);
-    BallCalibration& lights = calibration.lights;
+    SphereCalibration& lights = calibration.lights;
     const CalibrationFiles files = write_calibration(a.out, calibration);
     nlohmann::json result = result_of(lights, files);
-    for (const LeftOut& photo : left_out) result["photographs"]["left_out"].push_back(photo.name);
-    result["photographs"]["unusable"] = to_json(left_out);
+    for (const RejectedPhoto& photo : rejected) result["photographs"]["rejected"].push_back(photo.name);
+    result["photographs"]["unusable"] = to_json(rejected);
     if (a.uncalibrated) result["uncalibrated"] = uncalibrated;
     result["colour"] = chart ? summary_of(*chart) : nlohmann::json(nullptr);
     const nlohmann::json plane =
@@ -336,7 +339,7 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
     const std::size_t all = paths.size();
     std::optional<EarlierPainting> earlier;
     if (!a.align_to.empty()) earlier = earlier_painting(read_painting(a.align_to, progress));
-    std::vector<LeftOut> damaged;
+    std::vector<RejectedPhoto> damaged;
     while (true) try {
             return calibrated(a, paths, earlier, warnings, damaged, progress);
         } catch (const PhotoError& error) {  // damage that shows only when pixels are decoded
@@ -350,7 +353,7 @@ nlohmann::json run_calibrate(const CalibrateArguments& a) {
 
 Command calibrate_command() {
     return {"calibrate",
-            "find lights from balls, colours from a chart, scale and plane from markers or corners",
+            "find lights from spheres, colours from a chart, scale and plane from markers or corners",
             [](Flags& flags) {
                 auto a = std::make_shared<CalibrateArguments>();
                 a->add_to(flags);

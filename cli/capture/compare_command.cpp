@@ -75,7 +75,7 @@ std::string doubt_of_crop(const PhotosArguments& arguments, const Stack& stack, 
 
 // As the fit looks for it, by what the photographs show without the painting.
 std::string doubt_of_order(const Stack& stack, const Survey& surveyed, const Transfer& transfer,
-                           const LightFlips& flips) {
+                           const LightAxes& axes) {
     std::vector<int> lines;
     std::vector<std::string> names;
     for (const StackPhoto& photo : stack.photos) {
@@ -84,7 +84,7 @@ std::string doubt_of_order(const Stack& stack, const Survey& surveyed, const Tra
     }
     const ListOrder order =
         check_list_order(surveyed, transfer, stack.lights(), lines, stack.width(), stack.height());
-    return doubt_of(order, SignCheck{}, flips, names);
+    return doubt_of(order, SignCheck{}, axes, names);
 }
 
 nlohmann::json run_compare(CompareArguments arguments) {
@@ -97,20 +97,20 @@ nlohmann::json run_compare(CompareArguments arguments) {
     // Neighbours in a list are neighbours by name.
     std::ranges::sort(stack.photos, {}, &StackPhoto::path);
     Survey surveyed;
-    const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, progress, &surveyed);
-    const FaithfulResidual residual = read_faithful(arguments.painting, surface, progress);
+    const std::vector<RejectedPhoto> rejected = leave_out_damaged_and_copies(stack, progress, &surveyed);
+    const RelightingResidual residual = read_residual(arguments.painting, surface, progress);
     CompareReport report =
         write_comparison(arguments.out, surface, stack, arguments.options, progress, residual);
-    if (residual.empty() && faithful_in_vain(surface))
+    if (residual.empty() && residual_in_vain(surface))
         report.warnings.push_back(
-            fmt::format("{}: fit --faithful found no residual that predicts photographs better than the "
+            fmt::format("{}: fit --residual found no residual that predicts photographs better than the "
                         "surface alone, so only that is compared",
                         arguments.painting));
     nlohmann::json result = to_json(report);
     result["development"] = to_json(development);
     result["page"] = (fs::path(arguments.out) / "compare.html").string();
     result["warnings"] = told(report.warnings);
-    result["left_out"] = to_json(left_out);
+    result["rejected"] = to_json(rejected);
     result["poor"] = opened.poor;
     if (const std::string doubt = doubt_of_crop(arguments.photos, stack, surface); !doubt.empty())
         result["poor"].push_back(doubt);
@@ -118,7 +118,7 @@ nlohmann::json run_compare(CompareArguments arguments) {
     if (!report.exchanged.empty())
         result["poor"].push_back(report.exchanged);
     else if (const std::string doubt =
-                 doubt_of_order(stack, surveyed, report.transfer, arguments.photos.flips());
+                 doubt_of_order(stack, surveyed, report.transfer, arguments.photos.axes());
              !doubt.empty())
         result["poor"].push_back(doubt);
     if (report.all.psnr_db < kPoorPsnr_db)

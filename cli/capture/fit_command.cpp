@@ -24,8 +24,8 @@ struct FitArguments {
     PhotosArguments photos;
     std::string out, report, solver = "batch";
     FitOptions options;
-    bool faithful = false;
-    FaithfulOptions faithful_options;
+    bool with_residual = false;
+    ResidualOptions residual_options;
 };
 
 nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
@@ -43,7 +43,7 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     options["solver"] = arguments.solver;
-    if (arguments.faithful) options["faithful"] = to_json(arguments.faithful_options);
+    if (arguments.with_residual) options["residual"] = to_json(arguments.residual_options);
     options["photos"] = arguments.photos.as_json();
     return {{"program", "tangipaint " TP_VERSION},
             {"command", "fit"},
@@ -81,7 +81,7 @@ std::string says_lights_are_as_viewed(const Stack& stack) {
 
 // What makes the result doubtful as a whole; empty where nothing does.
 std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack& opened,
-                                      const LightFlips& flips) {
+                                      const LightAxes& axes) {
     std::vector<std::string> reasons = opened.poor;
     if (opened.lights_by_order && report.median_rms_residual > kDoubtfulOrder)
         reasons.push_back(fmt::format(
@@ -89,36 +89,36 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
             "file names, and the photographs differ from the model by {}: is the order the same? Name the "
             "photographs in the lights file as they are called",
             beyond_expected(report.median_rms_residual)));
-    else if (opened.lights_by_order && report.odd_lights.scatter_deg > kDoubtfulScatter_deg)
+    else if (opened.lights_by_order && report.light_outliers.scatter_deg > kDoubtfulScatter_deg)
         reasons.push_back(fmt::format(
             "no name in the lights file is that of a photograph, so lights were taken in the order of the "
             "file names, and those that the photographs show scatter by {:.0f}° round the listed ones: is "
             "the order the same? Name the photographs in the lights file as they are called",
-            report.odd_lights.scatter_deg));
+            report.light_outliers.scatter_deg));
     if (!report.turned_doubt.empty()) reasons.push_back(report.turned_doubt);
     if (!report.transfer.doubt.empty()) reasons.push_back(report.transfer.doubt);
     // A list that is in another order looks turned as well: one advice, the one that explains.
     // Metal fits some wrong order better where matt reflection is all that is asked: the fitted surface
     // decides.
     const bool fits_as_listed = report.median_rms_residual < kHonest;
-    std::string doubt = doubt_of(report.list_order, report.signs, flips, report.order_names, fits_as_listed);
+    std::string doubt = doubt_of(report.list_order, report.signs, axes, report.order_names, fits_as_listed);
     // Single lights that are wrong, or exchanged, are told one by one.
-    if (doubt.empty() && !fits_as_listed && report.odd_lights.odd.empty())
+    if (doubt.empty() && !fits_as_listed && report.light_outliers.odd.empty())
         doubt = doubt_of_any_order(report.list_order);
     const bool out_of_order = !doubt.empty();
     if (!out_of_order) {
-        doubt = doubt_of(report.signs, report.shadow_signs, flips);
+        doubt = doubt_of(report.signs, report.shadow_signs, axes);
         if (!doubt.empty())
             doubt += or_order(report.list_order, report.signs, report.order_names) +
                      says_lights_are_as_viewed(opened.stack);
     }
     if (!doubt.empty()) reasons.push_back(std::move(doubt));
-    if (flips.any() && !out_of_order && report.median_rms_residual > kDoubtfulOrder)
+    if (axes.differ() && !out_of_order && report.median_rms_residual > kDoubtfulOrder)
         reasons.push_back(fmt::format(
             "lights were mirrored or turned as asked, and the photographs still differ from the model by {}: "
             "are they the right ones?",
             beyond_expected(report.median_rms_residual)));
-    for (std::string& odd : doubts_of(report.odd_lights, report.photo_names))
+    for (std::string& odd : doubts_of(report.light_outliers, report.photo_names))
         if (!out_of_order) reasons.push_back(std::move(odd));
     if (report.sharpening.found()) reasons.push_back(says_sharpened(report.sharpening));
     for (std::string& cause : doubts_of(report.photo_misfits, report.photo_names))
@@ -155,7 +155,7 @@ std::string says_none_is_held_out(std::size_t asked, const FitResult& fit) {
         std::any_of(photos.begin(), photos.end(), [](const auto& photo) { return !photo.fitted; }))
         return {};
     return fmt::format(
-        "all {} photographs of --hold-out were left out (photographs.left_out has the reasons), so that "
+        "all {} photographs of --hold-out were rejected (photographs.rejected has the reasons), so that "
         "nothing tells "
         "how well the painting predicts light that the fit never saw; hold out others",
         asked);
@@ -178,7 +178,8 @@ nlohmann::json colour_of(const FitResult& fit) {
             {"white_by_chart", colour.white_by_chart}};
 }
 
-nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_out, const std::string& out) {
+nlohmann::json result_of(const FitResult& fit, const std::vector<RejectedPhoto>& rejected,
+                         const std::string& out) {
     const FitReport& r = fit.report;
     nlohmann::json candidates = nlohmann::json::array();
     for (const auto& candidate : r.transfer.candidates)
@@ -198,22 +199,22 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"photographs",
          {{"fitted", fitted_photos},
           {"held_out", held_out},
-          {"left_out", to_json(left_out)},
+          {"rejected", to_json(rejected)},
           {"without_number", without_number}}},
         {"transfer",
          {{"name", r.transfer.transfer.name()}, {"source", r.transfer.source}, {"tried", candidates}}},
         {"colour", colour_of(fit)},
         {"registration", to_json(r.registration)},
         {"lights", to_json(r.lights)},
-        {"light_signs", to_json(r.signs, r.shadow_signs)},
-        {"light_outliers", to_json(r.odd_lights, r.photo_names)},
+        {"light_axes_check", to_json(r.signs, r.shadow_signs)},
+        {"light_outliers", to_json(r.light_outliers, r.photo_names)},
         {"sharpening", to_json(r.sharpening)},
         {"photo_misfits", to_json(r.photo_misfits, r.photo_names)},
         {"white_balances", to_json(r.white_balances, r.photo_names)},
         {"list_orders", to_json(r.list_order)},
-        {"law", to_json(r.law)},
-        {"coloured_pixels", r.coloured},
-        {"drawn_out_pixels", r.drawn_out},
+        {"reflectance_model", to_json(r.reflectance_model)},
+        {"specular_colour_pixels", r.coloured},
+        {"anisotropic_pixels", r.anisotropic},
         {"pixels", {{"all", r.pixels}, {"fitted", r.fitted}, {"not_converged", r.not_converged}}},
         {"solver_agreement",
          {{"compared", r.solvers.compared},
@@ -231,7 +232,7 @@ nlohmann::json result_of(const FitResult& fit, const std::vector<LeftOut>& left_
         {"support_bulge_deg", r.support_bulge_deg},
         {"refined", r.refined},
         {"final_height", to_json(r.height_choice)},
-        {"lamp_radius", to_json(r.lamp_radius)},
+        {"light_angular_radius", to_json(r.light_angular_radius)},
         {"height_solver",
          {{"cycles", r.height.cycles}, {"residual", r.height.residual}, {"converged", r.height.converged}}},
         {"dry_hash", hash_of(fit.surface)}};
@@ -264,7 +265,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
         mm && stack.mm_per_pixel && std::abs(*mm / *stack.mm_per_pixel - 1) > kSizesDiffer)
         opened.poor.push_back(fmt::format(
             "--mm-per-pixel {:.6g} is used, but the capture file measured {:.6g}: one of them is wrong, and "
-            "lamps, heights and areas with it; leave the flag out, or measure again",
+            "lights, heights and areas with it; leave the flag out, or measure again",
             *mm, *stack.mm_per_pixel));
     if (opened.found_mask) arguments.photos.mask = opened.found_mask->string();
     refuse_to_overwrite_photographs(arguments, stack);
@@ -287,7 +288,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     if (const double bulge = fit.report.support_bulge_deg; std::abs(bulge) > kDoubtfulBulge_deg)
         warnings.push_back(fmt::format(
             "the normals turn {} by {:.0f} degrees from the middle of the picture to its corners, as on a "
-            "painting that {}; if it is flat, the lamps were {} than is taken here: their positions "
+            "painting that {}; if it is flat, the lights were {} than is taken here: their positions "
             "(capture.json, --lights-mm), or more photographs, would tell",
             bulge > 0 ? "outwards" : "inwards", std::abs(bulge), bulge > 0 ? "bulges" : "is hollow",
             bulge > 0 ? "nearer" : "farther away"));
@@ -296,18 +297,19 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
             "the height has not converged after {} cycles (residual {:.1g}), so that its long waves "
             "may be off; give --max-cycles more",
             fit.report.height.cycles, fit.report.height.residual));
-    FaithfulFit faithful;
-    if (arguments.faithful) faithful = fit_faithful(fit.surface, stack, arguments.faithful_options, progress);
+    ResidualFit residual;
+    if (arguments.with_residual)
+        residual = fit_residual(fit.surface, stack, arguments.residual_options, progress);
     std::vector<PartToWrite> parts = {part_of(fit.errors)};
-    if (!faithful.residual.empty()) parts.push_back(part_of(faithful.residual));
-    if (arguments.faithful && !faithful.report.used)
+    if (!residual.residual.empty()) parts.push_back(part_of(residual.residual));
+    if (arguments.with_residual && !residual.report.used)
         warnings.push_back(
-            "--faithful: a residual predicts photographs that were left out no better than the surface "
+            "--residual: a residual predicts validation photographs no better than the surface "
             "alone, so none is stored");
-    if (arguments.faithful && !faithful.report.used)
-        fit.surface.provenance = with_faithful_in_vain(fit.surface.provenance);
+    if (arguments.with_residual && !residual.report.used)
+        fit.surface.provenance = with_residual_in_vain(fit.surface.provenance);
     if (!development.encoding.doubt.empty()) opened.poor.push_back(development.encoding.doubt);
-    std::vector<std::string> poor = poor_reasons(fit.report, opened, arguments.photos.flips());
+    std::vector<std::string> poor = poor_reasons(fit.report, opened, arguments.photos.axes());
     if (const std::string none = says_none_is_held_out(held_out, fit); !none.empty()) poor.push_back(none);
     fit.surface.provenance = with_doubts(fit.surface.provenance, poor, warnings);
     add_overview(parts, fit.surface, fit.surface);
@@ -320,10 +322,10 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
         set.add(*page);
     }
     set.commit();
-    std::vector<LeftOut> left_out = opened.left_out;
-    left_out.insert(left_out.end(), fit.report.left_out.begin(), fit.report.left_out.end());
-    nlohmann::json result = result_of(fit, left_out, arguments.out);
-    if (arguments.faithful) result["faithful"] = to_json(faithful.report);
+    std::vector<RejectedPhoto> rejected = opened.rejected;
+    rejected.insert(rejected.end(), fit.report.rejected.begin(), fit.report.rejected.end());
+    nlohmann::json result = result_of(fit, rejected, arguments.out);
+    if (arguments.with_residual) result["residual"] = to_json(residual.report);
     result["development"] = to_json(development);
     result["warnings"] = told(warnings, told_before);
     result["poor"] = poor;
@@ -361,15 +363,15 @@ Command fit_command() {
                 flags.fields(arguments->options.calibration);
                 flags.fields(arguments->options.ward);
                 flags.fields(arguments->options.height);
-                flags.flag("--faithful", arguments->faithful,
-                           "also store what the photographs show beyond the surface, for relight --faithful");
-                flags.fields(arguments->faithful_options);
+                flags.flag("--residual", arguments->with_residual,
+                           "also store what the photographs show beyond the surface, for relight --residual");
+                flags.fields(arguments->residual_options);
                 return [arguments, typed = flags.typed()] {
-                    if (!arguments->faithful)
+                    if (!arguments->with_residual)
                         refuse_typed(typed(),
-                                     {"--faithful-terms", "--faithful-colour-terms", "--faithful-samples",
-                                      "--faithful-worth-db"},
-                                     "is of --faithful, which is not asked for");
+                                     {"--residual-terms", "--residual-colour-terms", "--residual-samples",
+                                      "--residual-min-gain-db"},
+                                     "is of --residual, which is not asked for");
                     return run_fit(*arguments, console_progress());
                 };
             },

@@ -65,10 +65,10 @@ nlohmann::json describe(const Surface& s, const HeightUnit& height) {
         {"height", s.height()},
         {"mm_per_pixel", s.mm_per_pixel},
         {"scale_known", s.scale_known},
-        {"diffuse_roughness", s.law.diffuse_roughness},
-        {"haze", s.law.haze},
-        {"coloured_lobes", !s.lobe_colour.empty()},
-        {"drawn_out_lobes", !s.lobe_axes.empty()},
+        {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
+        {"second_lobe_weight", s.reflectance_model.haze},
+        {"specular_colour", !s.specular_colour.empty()},
+        {"anisotropic_specular", !s.lobe_axes.empty()},
         {"measured_pixels", measured},
         {"maps",
          {{height.key(), spread(s, [&](std::size_t i) { return height.in_unit * s.height_mm.pixels()[i]; })},
@@ -76,9 +76,9 @@ nlohmann::json describe(const Surface& s, const HeightUnit& height) {
           {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
           {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
           {"lobe_saturation",
-           s.lobe_colour.empty()
+           s.specular_colour.empty()
                ? nlohmann::json(nullptr)
-               : spread(s, [&](std::size_t i) { return saturation(s.lobe_colour.pixels()[i]); })},
+               : spread(s, [&](std::size_t i) { return saturation(s.specular_colour.pixels()[i]); })},
           {"roughness_v",
            s.lobe_axes.empty()
                ? nlohmann::json(nullptr)

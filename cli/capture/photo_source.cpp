@@ -41,11 +41,15 @@ PhotosArguments remembered(const Surface& surface) {
     take("mask", arguments.mask, true);
     take("lights", arguments.lights, true);
     take("capture", arguments.capture, true);
+    take("light_axes", arguments.light_axes, false);
+    if (const nlohmann::json deg = member(photos, "light_rotation_deg"); deg.is_number())
+        arguments.light_rotation_deg = deg;
+    // Of version 0.1.
     const auto is_set = [&](const char* name) { return member(photos, name) == nlohmann::json(true); };
-    arguments.lights_flip_x = is_set("lights_flip_x");
-    arguments.lights_flip_y = is_set("lights_flip_y");
-    if (const nlohmann::json turn = member(photos, "lights_turn_deg"); turn.is_number())
-        arguments.lights_turn_deg = turn;
+    if (is_set("lights_flip_x") || is_set("lights_flip_y"))
+        arguments.light_axes = in_words(LightAxes{is_set("lights_flip_x"), is_set("lights_flip_y")});
+    if (const nlohmann::json deg = member(photos, "lights_turn_deg"); deg.is_number())
+        arguments.light_rotation_deg = deg;
     return arguments;
 }
 
@@ -53,9 +57,8 @@ Stack open_as_fitted(PhotosArguments arguments, const Surface& surface) {
     const PhotosArguments fitted = remembered(surface);
     if (arguments.crop.empty()) arguments.crop = fitted.crop;
     if (arguments.mask.empty()) arguments.mask = fitted.mask;
-    arguments.lights_flip_x = fitted.lights_flip_x;
-    arguments.lights_flip_y = fitted.lights_flip_y;
-    arguments.lights_turn_deg = fitted.lights_turn_deg;
+    arguments.light_axes = fitted.light_axes;
+    arguments.light_rotation_deg = fitted.light_rotation_deg;
     if (!arguments.lights.empty() || !arguments.capture.empty() ||
         (fitted.lights.empty() && fitted.capture.empty()))
         return arguments.open_any();
@@ -123,7 +126,7 @@ struct Measured {
 
 class StackBook : public PhotoBook {
 public:
-    StackBook(PhotosToCompare photos, std::shared_ptr<const Surface> surface, FaithfulResidual residual)
+    StackBook(PhotosToCompare photos, std::shared_ptr<const Surface> surface, RelightingResidual residual)
         : photos_(std::move(photos)),
           surface_(std::move(surface)),
           residual_(std::move(residual)),
@@ -174,17 +177,17 @@ public:
         return held;
     }
 
-    void write_report(const fs::path& folder, const std::vector<int>& left_out,
+    void write_report(const fs::path& folder, const std::vector<int>& rejected,
                       const Progress& progress) const override {
         Stack stack = photos_.stack;
         stack.photos.clear();
         stack.held_out.clear();
         for (std::size_t i = 0; i < all_.size(); ++i) {
             const bool out =
-                std::find(left_out.begin(), left_out.end(), static_cast<int>(i)) != left_out.end();
+                std::find(rejected.begin(), rejected.end(), static_cast<int>(i)) != rejected.end();
             if (out)
                 stack.warnings.push_back(
-                    fmt::format("{}: left out: it cannot be read", all_[i].path.string()));
+                    fmt::format("{}: rejected: it cannot be read", all_[i].path.string()));
             else
                 stack.photos.push_back(all_[i]);
         }
@@ -195,7 +198,7 @@ public:
 private:
     PhotosToCompare photos_;
     std::shared_ptr<const Surface> surface_;
-    FaithfulResidual residual_;
+    RelightingResidual residual_;
     CompareOptions options_;
     ColourScale difference_, delta_e_;
     std::vector<StackPhoto> all_;
@@ -227,7 +230,7 @@ std::unique_ptr<PhotoBook> open_photo_book(const PhotosArguments& arguments,
     if (stack.width() != surface->width() || stack.height() != surface->height())
         fail("{}: the photographs are {} x {}, the painting is {} x {}: they are of another painting or crop",
              arguments.folder, stack.width(), stack.height(), surface->width(), surface->height());
-    FaithfulResidual residual = read_faithful(painting, *surface, progress);
+    RelightingResidual residual = read_residual(painting, *surface, progress);
     PhotosToCompare photos = photos_to_compare(std::move(stack), arguments, *surface, progress);
     return std::make_unique<StackBook>(std::move(photos), std::move(surface), std::move(residual));
 }

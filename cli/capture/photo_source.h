@@ -28,7 +28,7 @@ PhotosToCompare photos_to_compare(Stack stack, const PhotosArguments& arguments,
 
 // The book of a folder. What the arguments leave open is as the painting's provenance remembers it: crop and
 // mask, and lights and capture file where the folder alone does not tell. `painting`: its file, for the
-// residual of faithful mode. Throws Error, Cancelled.
+// residual of the relighting residual. Throws Error, Cancelled.
 std::unique_ptr<PhotoBook> open_photo_book(const PhotosArguments& arguments,
                                            std::shared_ptr<const Surface> surface,
                                            const std::filesystem::path& painting, const Progress& progress);

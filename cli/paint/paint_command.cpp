@@ -13,7 +13,7 @@
 #include "surface/image_file/image_io.h"
 #include "viewer/app/window.h"
 #include "viewer/model/user_settings.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -47,8 +47,8 @@ Canvas canvas_of(const PaintArguments& a, const Progress& progress) {
     return Canvas(std::make_shared<Surface>(a.substrate.make(progress)));
 }
 
-Workshop workshop_of(const PaintArguments& a) {
-    Workshop workshop;
+HostServices workshop_of(const PaintArguments& a) {
+    HostServices workshop;
     workshop.open_photos = [photos = a.photos](const fs::path& folder, std::shared_ptr<const Surface> dry,
                                                const fs::path& painting, const Progress& progress) {
         // What was said of photographs is of the folder that was named with it.

@@ -97,7 +97,7 @@ Command palette_command() {
             flags.option(
                 "--out", a->out,
                 "picture to write (.png .tif .jpg .exr): every paint by itself, in two tints with white, and "
-                "drawn out over black and white");
+                "anisotropic over black and white");
             flags.option("--save", a->save, "palette file to write: K and S of every paint in 12 bands");
             flags.option("--illuminant", a->illuminant, "A, D50, D65, F11 or LED").show_default();
             flags.fields(a->drawdown);

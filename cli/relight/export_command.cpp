@@ -100,20 +100,20 @@ std::vector<std::string> lost_to_openlime(const std::string& painting, const Sur
     std::vector<std::string> lost;
     if (!surface.lobe_axes.empty())
         lost.push_back(fmt::format(
-            "{}: its gloss is drawn out in one direction in places (brushed metal, a weave), which "
+            "{}: its gloss is anisotropic in one direction in places (brushed metal, a weave), which "
             "OpenLIME's maps cannot hold: they are written as round ones of the same mean "
             "roughness; --to maps keeps them",
             painting));
-    if (surface.law.haze > 0)
+    if (surface.reflectance_model.haze > 0)
         lost.push_back(fmt::format(
             "{}: a part of its gloss, {:.2g}, is a haze of twice the roughness, which OpenLIME's maps "
             "cannot hold: highlights are shown narrower than they are; --to maps keeps it",
-            painting, surface.law.haze));
-    if (surface.law.diffuse_roughness > 0)
+            painting, surface.reflectance_model.haze));
+    if (surface.reflectance_model.diffuse_roughness > 0)
         lost.push_back(fmt::format(
             "{}: its matt paint reflects as rough surfaces do (diffuse roughness {:.2g}), which OpenLIME's "
             "maps cannot hold: slopes are shown after Lambert's law; --to maps keeps it",
-            painting, surface.law.diffuse_roughness));
+            painting, surface.reflectance_model.diffuse_roughness));
     return lost;
 }
 
@@ -163,8 +163,8 @@ nlohmann::json export_web(const ExportArguments& a, const Surface& surface, cons
             {"first_picture_bytes", report.first_bytes}};
 }
 
-// As under one lamp, with shadows: for people, so sRGB, as bright as the photographs were. `relight` has more
-// lamps.
+// As under one light, with shadows: for people, so sRGB, as bright as the photographs were. `relight` has
+// more lights.
 nlohmann::json export_snapshot(const ExportArguments& a, const Surface& surface, const Progress& progress) {
     require_picture_format(a.out);
     refuse_to_overwrite(a.out, {a.painting});
@@ -267,7 +267,7 @@ Command export_command() {
                     "ptm, rti: fit the photographs in this folder instead of the painting relit; linear ones "
                     "are encoded as sRGB, as viewers show values as they are");
                 flags.option("--lights", a->lights, "lights file of these photographs");
-                flags.option("--light", a->light, "snapshot: direction to its lamp, X,Y,Z").show_default();
+                flags.option("--light", a->light, "snapshot: direction to its light, X,Y,Z").show_default();
                 flags.option("--terms", a->terms, "rti: harmonics, 4, 9 or 16").show_default();
                 flags.flag("--lrgb", a->lrgb,
                            "ptm: one colour a pixel and the brightness by light, in half the size");

@@ -93,8 +93,8 @@ nlohmann::json run_import(const ImportArguments& a) {
              {{"all", report.pixels}, {"measured", report.measured}, {"facing_away", report.facing_away}}},
             {"mm_per_pixel", surface.mm_per_pixel},
             {"scale_known", surface.scale_known},
-            {"haze", surface.law.haze},
-            {"diffuse_roughness", surface.law.diffuse_roughness},
+            {"second_lobe_weight", surface.reflectance_model.haze},
+            {"diffuse_roughness", surface.reflectance_model.diffuse_roughness},
             {"median_tilt_deg", report.median_tilt_deg},
             {"support_tilt_deg", report.support_tilt_deg},
             {"height_solver",
@@ -129,7 +129,7 @@ Command import_command() {
             flags.option("--lobe", a->lobe,
                          "colours of lobes, that specular is multiplied by; white without");
             flags.option("--roughness-v", a->roughness_v,
-                         "of lobes that are drawn out (brushed metal), with --tangent: alpha across the "
+                         "of lobes that are anisotropic (brushed metal), with --tangent: alpha across the "
                          "tangent; along it, it is roughness^2 over this");
             flags.option(
                 "--tangent", a->tangent,

@@ -40,7 +40,7 @@ void SweepArguments::add_to(Flags& flags) {
     flags
         .option(
             "--sweep", corners,
-            "a film of a lamp that moves, written to a video (.mp4 .webm) or a folder: AZIMUTH,ELEVATION in "
+            "a film of a light that moves, written to a video (.mp4 .webm) or a folder: AZIMUTH,ELEVATION in "
             "degrees, counter-clockwise from the right, above the painting; given once: once round; several "
             "times: from one to the next")
         .one_value();
@@ -62,8 +62,8 @@ int write_sweep(const SweepArguments& a, const std::string& out, const DrawUnder
     const std::unique_ptr<Film> film = make_film(out, a.film.frames_per_s);
     for (std::size_t i = 0; i < path.size(); ++i) {
         report(progress, "sweep", static_cast<double>(i) / static_cast<double>(path.size()));
-        const Light lamp = distant_light(direction_of(path[i].azimuth_deg, path[i].elevation_deg));
-        film->add(encoded_srgb(reduced(draw(lamp), a.film.width, 0)));
+        const Light light = distant_light(direction_of(path[i].azimuth_deg, path[i].elevation_deg));
+        film->add(encoded_srgb(reduced(draw(light), a.film.width, 0)));
     }
     film->finish();
     report(progress, "sweep", 1);

@@ -1,4 +1,4 @@
-// light_sweep.h: a film of a painting while a lamp moves over it: relight --sweep.
+// light_sweep.h: a film of a painting while a light moves over it: relight --sweep.
 #pragma once
 
 #include <functional>
@@ -32,8 +32,8 @@ struct SweepArguments {
     bool given() const { return !corners.empty(); }
 };
 
-// Draws the linear picture under this lamp.
-using DrawUnder = std::function<Image<Rgb>(const Light& lamp)>;
+// Draws the linear picture under this light.
+using DrawUnder = std::function<Image<Rgb>(const Light& light)>;
 
 // Writes the film to `out`, a video or a folder. Throws UsageError for directions below the painting, and
 // what make_film() throws. Returns how many pictures it has.

@@ -31,59 +31,59 @@ struct RelightArguments {
     std::string illuminant = "D65", paint_model = "spectral";
     std::vector<std::string> directions, positions;
     double gain = 1;
-    bool faithful = false, gpu = false;
+    bool with_residual = false, gpu = false;
     RelightOptions options;
     SweepArguments sweep;
 };
 
-// A painting with its paint, and what --faithful adds where none lies.
+// A painting with its paint, and what --residual adds where none lies.
 struct Painting {
     Canvas canvas;
     std::shared_ptr<const Surface> surface;
-    FaithfulResidual residual;  // empty without --faithful
+    RelightingResidual residual;  // empty without --residual
     Image<float> bare;
     std::vector<std::string> warnings;
 };
 
-// How paint, and under another lamp all of the painting, is seen.
+// How paint, and under another light all of the painting, is seen.
 AppearanceOptions look_of(const RelightArguments& arguments) {
     const Illuminant illuminant = parse_illuminant(arguments.illuminant, "--illuminant");
     const auto model = paint_model_named(arguments.paint_model);
     if (!model)
         throw UsageError(fmt::format("--paint-model {}: is not spectral or thesis", arguments.paint_model));
-    if (arguments.faithful && illuminant != Illuminant::d65)
+    if (arguments.with_residual && illuminant != Illuminant::d65)
         throw UsageError(
-            "--illuminant: what --faithful adds is of the light of the photographs; leave one of them out");
+            "--illuminant: what --residual adds is of the light of the photographs; leave one of them out");
     return {.illuminant = illuminant, .model = *model};
 }
 
 Painting read_all(const RelightArguments& arguments, const Progress& progress) {
     const AppearanceOptions look = look_of(arguments);
     Canvas canvas = read_canvas(arguments.painting, progress);
-    FaithfulResidual residual;
+    RelightingResidual residual;
     std::vector<std::string> warnings;
-    if (arguments.faithful) {
-        residual = read_faithful(arguments.painting, canvas.dry(), progress);
-        const bool in_vain = residual.empty() && faithful_in_vain(canvas.dry());
+    if (arguments.with_residual) {
+        residual = read_residual(arguments.painting, canvas.dry(), progress);
+        const bool in_vain = residual.empty() && residual_in_vain(canvas.dry());
         if (in_vain)
             warnings.push_back(
-                fmt::format("--faithful: {} holds no residual, since fit --faithful found none that predicts "
+                fmt::format("--residual: {} holds no residual, since fit --residual found none that predicts "
                             "photographs better than the surface alone, which is what is shown",
                             arguments.painting));
         else if (residual.empty())
-            fail("{}: has no part 'faithful'; make it with: tangipaint fit --faithful", arguments.painting);
+            fail("{}: has no part 'residual'; make it with: tangipaint fit --residual", arguments.painting);
         const RelightOptions& o = arguments.options;
         if (in_vain) {  // any model will do
         } else if (!o.cast_shadows || o.model != WardModel::bounded ||
                    static_cast<float>(light_radius_deg(canvas.dry(), o)) !=
                        static_cast<float>(residual.light_radius_deg))
             throw UsageError(
-                fmt::format("--faithful: was fitted with --cast-shadows, --model bounded and "
+                fmt::format("--residual: was fitted with --cast-shadows, --model bounded and "
                             "--light-radius-deg {}, and is no residual of anything else",
                             static_cast<float>(residual.light_radius_deg)));
     }
     auto surface = shown(canvas, look, progress);
-    Image<float> bare = arguments.faithful ? bare_part(canvas) : Image<float>();
+    Image<float> bare = arguments.with_residual ? bare_part(canvas) : Image<float>();
     return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare), std::move(warnings)};
 }
 
@@ -213,8 +213,8 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
     const nlohmann::json warnings = told(painting.warnings);
     lights.emplace_back();
     PaintingRelighter relighter(painting, arguments);
-    const auto draw = [&](const Light& lamp) {
-        lights.back() = lamp;
+    const auto draw = [&](const Light& light) {
+        lights.back() = light;
         lights.back().gain = Rgb(static_cast<float>(arguments.gain));
         Image<Rgb> picture = relighter.picture(lights, {});
         for (Rgb& pixel : picture.pixels())
@@ -255,7 +255,7 @@ LightsFile lights_in(const fs::path& path) {
     const CaptureFile capture = in_picture(read_capture_file(path));
     if (capture.lights.empty()) fail("{}: holds no light", path.string());
     LightsFile file{capture.lights, capture.warnings};
-    // The picture is of what was asked for; where the lamps really stood is another matter.
+    // The picture is of what was asked for; where the lights really stood is another matter.
     file.warnings.insert(file.warnings.end(), capture.poor.begin(), capture.poor.end());
     return file;
 }
@@ -301,7 +301,7 @@ nlohmann::json run_relight(RelightArguments arguments) {
         throw UsageError(
             "give either lights (--light X,Y,Z, --point-light X,Y,Z), a lights file (--lights FILE.lp) or "
             "the way "
-            "of a lamp (--sweep AZIMUTH,ELEVATION)");
+            "of a light (--sweep AZIMUTH,ELEVATION)");
     if (sweeps && !arguments.encoding.empty())
         throw UsageError("--encoding: is of single pictures; those of --sweep are sRGB");
     const auto model = ward_model_named(arguments.model);
@@ -346,7 +346,7 @@ Command relight_command() {
             flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
             flags
                 .option("--illuminant", a->illuminant,
-                        "lamps that paint is seen under, by eyes used to them: A, D50, D65, F11 or LED; "
+                        "lights that paint is seen under, by eyes used to them: A, D50, D65, F11 or LED; "
                         "what is dry by a reflectance estimated from its colour")
                 .show_default();
             flags
@@ -356,8 +356,8 @@ Command relight_command() {
             flags.option("--gain", a->gain, "strength of the lights, 1 = as for the photographs")
                 .check(within(0, 1e4));
             flags.flag(
-                "--faithful", a->faithful,
-                "add what the photographs showed beyond the surface, where no paint lies (fit --faithful)");
+                "--residual", a->with_residual,
+                "add what the photographs showed beyond the surface, where no paint lies (fit --residual)");
             flags.flag("--gpu", a->gpu,
                        "draw with OpenGL, without a window; where that cannot be, as without it");
             flags.fields(a->options);

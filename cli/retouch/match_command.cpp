@@ -67,10 +67,11 @@ glm::dvec3 three(const std::string& text, const char* flag) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
-// XYZ of a colour under its lamp; sRGB is what is seen by eyes used to the lamp: relative to its white.
-glm::dvec3 xyz_wanted(const MatchArguments& a, Illuminant lamp) {
+// XYZ of a colour under its illuminant; sRGB is what is seen by eyes used to the illuminant: relative to its
+// white.
+glm::dvec3 xyz_wanted(const MatchArguments& a, Illuminant illuminant) {
     if (!a.xyz.empty()) return three(a.xyz, "--xyz");
-    const glm::dvec3 white = white_xyz(lamp);
+    const glm::dvec3 white = white_xyz(illuminant);
     if (!a.lab.empty()) {
         const glm::dvec3 lab = three(a.lab, "--lab");
         const double y = (lab.x + 16) / 116;
@@ -83,18 +84,19 @@ glm::dvec3 xyz_wanted(const MatchArguments& a, Illuminant lamp) {
     return d65 / white_xyz(Illuminant::d65) * white;
 }
 
-Wanted of_colour(const glm::dvec3& xyz, Illuminant lamp, const PaintBox& box, const MatchOptions& options) {
+Wanted of_colour(const glm::dvec3& xyz, Illuminant illuminant, const PaintBox& box,
+                 const MatchOptions& options) {
     Wanted wanted;
-    const auto likely = likely_spectrum(box.palette.paints, xyz, lamp, options, kVisible);
-    wanted.reflectance = likely ? likely->reflectance : smooth_spectrum(xyz, lamp);
+    const auto likely = likely_spectrum(box.palette.paints, xyz, illuminant, options, kVisible);
+    wanted.reflectance = likely ? likely->reflectance : smooth_spectrum(xyz, illuminant);
     wanted.described = {{"spectrum", likely ? "likely: of the mixtures with this colour"
                                             : "smooth: no mixture "
                                               "has this colour"},
-                        {"seen_under", name_of(lamp)},
+                        {"seen_under", name_of(illuminant)},
                         {"xyz", {xyz.x, xyz.y, xyz.z}}};
     if (likely) {
         wanted.described["mixtures"] = likely->mixtures;
-        wanted.described["spread_delta_e_2000"] = by_lamp(likely->spread);
+        wanted.described["spread_delta_e_2000"] = by_each_light(likely->spread);
     }
     return wanted;
 }
@@ -152,8 +154,8 @@ Wanted wanted_by(const MatchArguments& a, const std::optional<Treatment>& treatm
         return wanted;
     }
     if (treatment || !a.painting.empty()) return of_painting(a, treatment, box, options, progress);
-    const Illuminant lamp = parse_illuminant(a.under, "--under");
-    return of_colour(xyz_wanted(a, lamp), lamp, box, options);
+    const Illuminant illuminant = parse_illuminant(a.under, "--under");
+    return of_colour(xyz_wanted(a, illuminant), illuminant, box, options);
 }
 
 nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double luminance,
@@ -170,19 +172,19 @@ nlohmann::json gloss_advice(const Mixture& mixture, const PaintBox& box, double 
 
 nlohmann::json described(const MatchedRecipe& r, const PaintBox& box, const Wanted& wanted) {
     nlohmann::json json = as_json(r.steps, r.mixture, box.palette.paints);
-    json["delta_e_2000"] = by_lamp(r.delta_e);
+    json["delta_e_2000"] = by_each_light(r.delta_e);
     json["error"] = r.error;
     json["error_not_bound_to_measures"] = r.ideal_error;
-    json["metamerism_index"] = by_lamp(r.metamerism);
+    json["metamerism_index"] = by_each_light(r.metamerism);
     json["reflectance"] = r.look;
     json["gloss"] = gloss_advice(r.mixture, box, xyz_of(r.look, Illuminant::d65).y, wanted.gloss);
     json["warnings"] = warnings_of(r.mixture, box);
-    for (const Illuminant lamp : {Illuminant::a, Illuminant::f11}) {
-        const double index = r.metamerism[static_cast<std::size_t>(lamp)];
+    for (const Illuminant illuminant : {Illuminant::a, Illuminant::f11}) {
+        const double index = r.metamerism[static_cast<std::size_t>(illuminant)];
         if (index > kMetameric)
             json["warnings"].push_back(
                 fmt::format("metameric: where it matches under D65, it differs by CIEDE2000 {:.1f} under {}",
-                            index, name_of(lamp)));
+                            index, name_of(illuminant)));
     }
     return json;
 }
@@ -286,20 +288,15 @@ nlohmann::json run_match(const MatchArguments& a) {
         by_count.push_back({{"paints", r.mixture.count},
                             {"recipe", text_of(r.steps, box.palette.paints)},
                             {"error", r.error}});
-    nlohmann::json lamps = nlohmann::json::array();
-    for (const Illuminant lamp : options.lamps) lamps.push_back(name_of(lamp));
+    nlohmann::json illuminants = nlohmann::json::array();
+    for (const Illuminant illuminant : options.illuminants) illuminants.push_back(name_of(illuminant));
     const Lab lab = lab_under(wanted.reflectance);
     nlohmann::json target = wanted.described;
     target["reflectance"] = wanted.reflectance;
     target["lab"] = {lab.l, lab.a, lab.b};
-    nlohmann::json result = {{"palette", box.palette.name},
-                             {"media", box.media},
-                             {"target", target},
-                             {"lamps", lamps},
-                             {"goal", a.box.goal},
-                             {"recipes", recipes},
-                             {"fewer_paints", by_count},
-                             {"seconds", seconds.count()}};
+    nlohmann::json result = {{"palette", box.palette.name}, {"media", box.media},        {"target", target},
+                             {"illuminants", illuminants},  {"goal", a.box.goal},        {"recipes", recipes},
+                             {"fewer_paints", by_count},    {"seconds", seconds.count()}};
     if (a.film_mm) result["film_mm"] = *a.film_mm;
     if (!a.swatch.empty()) {
         write_swatch(a, recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints), files);
@@ -343,11 +340,11 @@ Command match_command() {
             flags.option("--damaged", a->damaged, "picture, white where there is other damage beside it");
             flags.option("--spectrum", a->spectrum,
                          "measured reflectance: text, a wavelength in nm and a reflectance (0..1) a line");
-            flags.option("--lab", a->lab, "L,a,b under the lamp --under").value_name("L,a,b");
+            flags.option("--lab", a->lab, "L,a,b under the illuminant --under").value_name("L,a,b");
             flags.option("--xyz", a->xyz, "X,Y,Z under it, Y of white is 1").value_name("X,Y,Z");
-            flags.option("--srgb", a->srgb, "colour as seen by eyes that are used to the lamp")
+            flags.option("--srgb", a->srgb, "colour as seen by eyes that are used to the illuminant")
                 .value_name("#rrggbb");
-            flags.option("--under", a->under, "lamp that the colour is seen under").show_default();
+            flags.option("--under", a->under, "illuminant that the colour is seen under").show_default();
             flags.option("--film-mm", a->film_mm, "thickness of the paint; without, it hides what is below")
                 .check(within(0.001, 10));
             flags
@@ -362,7 +359,7 @@ Command match_command() {
             flags.fields(a->match);
             flags.fields(a->annulus);
             flags.option("--swatch", a->swatch,
-                         "picture to write (.png .tif .jpg .exr): target and recipes under all lamps");
+                         "picture to write (.png .tif .jpg .exr): target and recipes under all illuminants");
             flags.option("--save-pairs", a->save_pairs,
                          "file to write: the built-in list of pairs, to be edited");
             return [a] { return run_match(*a); };

@@ -29,7 +29,7 @@ constexpr std::array<std::pair<const char*, double>, 4> kRaking = {
     {{"right", 0}, {"top", 90}, {"left", 180}, {"bottom", 270}}};
 
 struct QualityArguments {
-    std::string painting, damaged, out, treatment, lamps = "D65,A,F11";
+    std::string painting, damaged, out, treatment, illuminants = "D65,A,F11";
     AreaArguments area;
     AuthorArguments author;
     std::optional<double> mm_per_pixel;
@@ -41,8 +41,8 @@ nlohmann::json as_json(const Step& step) { return {{"mean", step.mean}, {"rms", 
 nlohmann::json as_json(const RetouchQuality& q) {
     nlohmann::json json = {{"box_px", {q.box.x0, q.box.y0, q.box.x1, q.box.y1}},
                            {"area_mm2", q.area_mm2},
-                           {"delta_e_2000", by_lamp(q.delta_e)},
-                           {"border_delta_e_2000", by_lamp(q.border_delta_e)},
+                           {"delta_e_2000", by_each_light(q.delta_e)},
+                           {"border_delta_e_2000", by_each_light(q.border_delta_e)},
                            {"height_step_mm", as_json(q.height_mm)},
                            {"gloss_step", q.gloss_step},
                            {"specular_step", as_json(q.specular)},
@@ -130,7 +130,7 @@ TreatmentStep step_of(const QualityArguments& a, const nlohmann::json& result, c
                       const std::string& within) {
     nlohmann::json parameters = to_json(a.options);
     parameters["annulus"] = to_json(a.options.annulus);
-    parameters["lamps"] = a.lamps;
+    parameters["illuminants"] = a.illuminants;
     parameters["area"] = a.area.empty() ? nlohmann::json("retouches") : a.area.as_json();
     TreatmentStep step{
         .action = "quality", .parameters = parameters, .results = result, .inputs = a.area.inputs()};
@@ -140,21 +140,21 @@ TreatmentStep step_of(const QualityArguments& a, const nlohmann::json& result, c
     return step;
 }
 
-// Regions and their mean under each lamp, weighted by their areas.
-nlohmann::json as_json(const QualityReport& report, const std::vector<Illuminant>& lamps) {
+// Regions and their mean under each illuminant, weighted by their areas.
+nlohmann::json as_json(const QualityReport& report, const std::vector<Illuminant>& illuminants) {
     nlohmann::json regions = nlohmann::json::array(), mean = nlohmann::json::object();
     for (const RetouchQuality& q : report.regions) regions.push_back(as_json(q));
-    for (const Illuminant lamp : lamps) {
+    for (const Illuminant illuminant : illuminants) {
         double sum = 0, area = 0;
         for (const RetouchQuality& q : report.regions)
-            sum += q.area_mm2 * q.delta_e[static_cast<std::size_t>(lamp)], area += q.area_mm2;
-        mean[std::string(name_of(lamp))] = sum / area;
+            sum += q.area_mm2 * q.delta_e[static_cast<std::size_t>(illuminant)], area += q.area_mm2;
+        mean[std::string(name_of(illuminant))] = sum / area;
     }
     return {{"delta_e_2000", mean}, {"regions", regions}};
 }
 
 nlohmann::json run_quality(const QualityArguments& a) {
-    const std::vector<Illuminant> lamps = lamps_in(a.lamps, "--lamps");
+    const std::vector<Illuminant> illuminants = illuminants_in(a.illuminants, "--illuminants");
     require_sound(a);
     const Progress progress = console_progress();
     std::optional<Treatment> treatment;
@@ -171,7 +171,7 @@ nlohmann::json run_quality(const QualityArguments& a) {
         for (const std::string& file : a.area.masks)
             mask = united(mask, read_mask(file, canvas.width(), canvas.height()));
     }
-    QualityReport report = quality_of(canvas, mask, spoilt, lamps, a.options, progress);
+    QualityReport report = quality_of(canvas, mask, spoilt, illuminants, a.options, progress);
     mask = spoilt = Mask();
     const double mm_per_pixel = canvas.mm_per_pixel();
     const bool scale_known =
@@ -185,7 +185,7 @@ nlohmann::json run_quality(const QualityArguments& a) {
         make_folder(pictures);
         write_pictures(pictures, report, std::move(canvas), progress);
     });
-    nlohmann::json result = in_known_units(as_json(report, lamps), mm_per_pixel, scale_known);
+    nlohmann::json result = in_known_units(as_json(report, illuminants), mm_per_pixel, scale_known);
     nlohmann::json raking = nlohmann::json::array();
     for (const auto& [name, unused] : kRaking) raking.push_back((folder / raking_picture(name)).string());
     if (treatment)
@@ -206,15 +206,18 @@ Command quality_command() {
             auto a = std::make_shared<QualityArguments>();
             flags.option("PAINTING", a->painting, "painting file (.exr) with its retouches");
             a->area.add_to(flags, "where the retouches are; of a treatment all of them without");
-            flags.option("--out", a->out,
-                         "folder to write: maps of CIEDE2000 (the worst under the lamps), height and gloss "
-                         "against the surroundings, and pictures in raking light");
+            flags.option(
+                "--out", a->out,
+                "folder to write: maps of CIEDE2000 (the worst under the illuminants), height and gloss "
+                "against the surroundings, and pictures in raking light");
             flags.option("--treatment", a->treatment,
                          "treatment to compare, and log and report it in (docs/retouching.md), instead of "
                          "PAINTING.exr and --out");
             a->author.add_to(flags);
             flags.option("--damaged", a->damaged, "picture, white where there is other damage beside them");
-            flags.option("--lamps", a->lamps, "lamps to compare under: of A, D50, D65, F11, LED")
+            flags
+                .option("--illuminants", a->illuminants,
+                        "illuminants to compare under: of A, D50, D65, F11, LED")
                 .show_default();
             flags
                 .option("--mm-per-pixel", a->mm_per_pixel,

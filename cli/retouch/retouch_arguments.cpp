@@ -12,9 +12,13 @@ void PaintBoxArguments::add_to(Flags& flags) {
     flags.option("--palette", palette,
                  "palette file (.json, docs/paint.md) with the paints at hand; the built-in artist acrylics "
                  "without");
-    flags.option("--lamps", lamps, "lamps that a match counts under: of A, D50, D65, F11, LED")
+    flags
+        .option("--illuminants", illuminants,
+                "illuminants that a match counts under: of A, D50, D65, F11, LED")
         .show_default();
-    flags.option("--goal", goal, "what is made small: the worst or the mean difference under these lamps")
+    flags
+        .option("--goal", goal,
+                "what is made small: the worst or the mean difference under these illuminants")
         .check(one_of({"worst", "mean"}))
         .show_default();
     flags.option(
@@ -43,22 +47,23 @@ PaintBox paint_box(const PaintBoxArguments& a) {
 }
 
 void set_options(const PaintBoxArguments& a, const PaintBox& box, MatchOptions& options) {
-    options.lamps = lamps_in(a.lamps, "--lamps");
+    options.illuminants = illuminants_in(a.illuminants, "--illuminants");
     options.goal = a.goal == "mean" ? MatchGoal::mean : MatchGoal::worst;
     if (a.avoid_pairs) options.allowed = without_pairs(box.palette.paints.size(), box.warnings);
 }
 
-std::vector<Illuminant> lamps_in(const std::string& text, const std::string& flag) {
-    std::vector<Illuminant> lamps;
+std::vector<Illuminant> illuminants_in(const std::string& text, const std::string& flag) {
+    std::vector<Illuminant> illuminants;
     std::istringstream words(text);
     for (std::string word; std::getline(words, word, ',');) {
-        const auto lamp = illuminant_named(word);
-        if (!lamp)
+        const auto illuminant = illuminant_named(word);
+        if (!illuminant)
             throw UsageError(fmt::format("{} {}: '{}' is not A, D50, D65, F11 or LED", flag, text, word));
-        if (std::find(lamps.begin(), lamps.end(), *lamp) == lamps.end()) lamps.push_back(*lamp);
+        if (std::find(illuminants.begin(), illuminants.end(), *illuminant) == illuminants.end())
+            illuminants.push_back(*illuminant);
     }
-    if (lamps.empty()) throw UsageError(fmt::format("{}: name a lamp, as in D65,A,F11", flag));
-    return lamps;
+    if (illuminants.empty()) throw UsageError(fmt::format("{}: name a illuminant, as in D65,A,F11", flag));
+    return illuminants;
 }
 
 }  // namespace tangi

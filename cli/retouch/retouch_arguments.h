@@ -1,5 +1,5 @@
-// retouch_arguments.h: what the commands of retouching share: paint box, lamps, pairs of pigments, masks,
-// the treatment that a step is logged in.
+// retouch_arguments.h: what the commands of retouching share: paint box, illuminants, pairs of pigments,
+// masks, the treatment that a step is logged in.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ constexpr double kPoorMatch = 5;  // CIEDE2000 that nobody would call a match
 
 // A box of paints and how recipes are chosen from it.
 struct PaintBoxArguments {
-    std::string palette, lamps = "D65,A,F11", goal = "worst", pairs;
+    std::string palette, illuminants = "D65,A,F11", goal = "worst", pairs;
     bool avoid_pairs = false;
 
     void add_to(Flags& flags);
@@ -35,11 +35,11 @@ struct PaintBox {
 };
 PaintBox paint_box(const PaintBoxArguments& arguments);
 
-// Sets lamps, goal and, with --avoid-pairs, the pairs that are allowed.
+// Sets illuminants, goal and, with --avoid-pairs, the pairs that are allowed.
 void set_options(const PaintBoxArguments& arguments, const PaintBox& box, MatchOptions& options);
 
 // "D65,A,F11". Throws UsageError naming the flag.
-std::vector<Illuminant> lamps_in(const std::string& text, const std::string& flag);
+std::vector<Illuminant> illuminants_in(const std::string& text, const std::string& flag);
 
 // Which of the box's warnings concern these paints.
 inline nlohmann::json warnings_of(const Mixture& mixture, const PaintBox& box) {

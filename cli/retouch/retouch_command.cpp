@@ -158,13 +158,13 @@ nlohmann::json run_retouch(RetouchArguments a) {
             "the painting's scale is unknown: widths, and the distance that a retouch is seen from, take a "
             "pixel for one mm");
     if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
-    for (const Illuminant lamp : a.options.match.lamps)
-        if (const double off = report.delta_e_mean[static_cast<std::size_t>(lamp)]; off > kPoorMatch)
+    for (const Illuminant illuminant : a.options.match.illuminants)
+        if (const double off = report.delta_e_mean[static_cast<std::size_t>(illuminant)]; off > kPoorMatch)
             result["poor"].push_back(
                 fmt::format("under {} the retouch is off by CIEDE2000 {:.1f} on average: these paints, so "
                             "thin, over this "
                             "ground, do not give the colour",
-                            name_of(lamp), off));
+                            name_of(illuminant), off));
     std::optional<AtomicFile> preview;
     OutputSet set;
     if (!a.preview.empty()) {

@@ -93,7 +93,7 @@ Treatment open_treatment(const std::string& folder) {
 }
 
 void refuse_over_unsaved(const Treatment& treatment) {
-    const SittingFiles files = sitting_files(treatment.painting());
+    const RecoveryFiles files = recovery_files(treatment.painting());
     bool waits = false;
     try {
         waits = left_over(files).has_value();

@@ -76,7 +76,8 @@ json check(const Treatment& treatment, const Progress& progress) {
              faults.size(), faults.front());
     json result = status(treatment);
     result["checked"] = true;
-    result["strokes"] = {{"painted_again", repeated.painted_again}, {"not_painted_again", repeated.left_out}};
+    result["strokes"] = {{"painted_again", repeated.painted_again},
+                         {"not_painted_again", repeated.not_repeated}};
     std::vector<std::string> unlogged = treatment.unlogged(treatment.read_canvas(progress));
     for (std::string& what : unlogged)
         what += fmt::format("; tangipaint treatment retouch {} takes it in", treatment.folder().string());
@@ -89,7 +90,7 @@ void leave_masks_out(Journal& journal) {
     for (const auto& [line, event] : journal.entries)
         if (std::holds_alternative<ConfineEvent>(event))
             journal.warnings.push_back(
-                {line, "'confine' is left out: strokes stop at the area of this step"});
+                {line, "'confine' is rejected: strokes stop at the area of this step"});
     std::erase_if(journal.entries,
                   [](const auto& entry) { return std::holds_alternative<ConfineEvent>(entry.event); });
 }
@@ -154,7 +155,7 @@ json undo(Treatment& treatment, const TreatmentArguments& a, const Progress& pro
 }
 
 json show(const Treatment& treatment, const TreatmentArguments& a, const Progress& progress) {
-    const auto state = treatment_state_named(a.state);
+    const auto state = treatment_stage_named(a.state);
     const Vec3 light = parse_direction_in_front(a.light, "--light");
     Surface surface;
     {

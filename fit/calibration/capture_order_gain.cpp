@@ -12,16 +12,16 @@ constexpr double kWorthOfOrder = 0.9;  // [1] part of the model's score that ord
 
 double log_gain(const Light& light) { return std::log(std::max(static_cast<double>(light.gain.g), 1e-6)); }
 
-double trend_at(const LampModel& model, const Vec3& direction) {
+double trend_at(const LightModel& model, const Vec3& direction) {
     return std::log(predicted_gain(model, {}, direction));
 }
 
-// `place` of the photograph in the order; `left_out` < 0: none.
-double predicted_log_gain(const ShotOrder& o, const LampModel& model, std::span<const Light> lights,
-                          const Vec3& direction, double place, int left_out) {
+// `place` of the photograph in the order; `validation` < 0: none.
+double predicted_log_gain(const ShotOrder& o, const LightModel& model, std::span<const Light> lights,
+                          const Vec3& direction, double place, int validation) {
     double sum = 0, weight = o.shrink;
     for (int i = 0; i < static_cast<int>(lights.size()); ++i) {
-        if (i == left_out) continue;
+        if (i == validation) continue;
         const Light& light = lights[static_cast<std::size_t>(i)];
         const Vec3 d = light.direction - direction;
         const double shots = (i - place) / o.reach;
@@ -42,15 +42,15 @@ double score(std::span<const Light> lights, Predict&& predict) {
     return sum;
 }
 
-std::vector<Light> without(std::span<const Light> lights, int left_out) {
+std::vector<Light> without(std::span<const Light> lights, int validation) {
     std::vector<Light> rest(lights.begin(), lights.end());
-    rest.erase(rest.begin() + left_out);
+    rest.erase(rest.begin() + validation);
     return rest;
 }
 
 }  // namespace
 
-ShotOrder fit_shot_order(const LampModel& model, std::span<const Light> lights) {
+ShotOrder fit_shot_order(const LightModel& model, std::span<const Light> lights) {
     ShotOrder best;
     double best_score = kWorthOfOrder * score(lights, [&](int i) {
                             return std::log(predicted_gain(model, without(lights, i),
@@ -71,7 +71,7 @@ ShotOrder fit_shot_order(const LampModel& model, std::span<const Light> lights) 
     return best;
 }
 
-double predicted_gain(const ShotOrder& order, const LampModel& model, std::span<const Light> lights,
+double predicted_gain(const ShotOrder& order, const LightModel& model, std::span<const Light> lights,
                       const Vec3& direction, int before) {
     if (!(order.reach > 0)) return predicted_gain(model, lights, direction);
     return std::exp(predicted_log_gain(order, model, lights, direction, before - 0.5, -1));

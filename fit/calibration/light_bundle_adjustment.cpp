@@ -16,14 +16,14 @@ namespace tangi {
 namespace {
 
 // What is known before any photograph. Model errors are shared by neighbouring samples, so that the priors on
-// a lamp's own gain and direction weigh as if one sample in kDependent were independent. The priors on what
+// a light's own gain and direction weigh as if one sample in kDependent were independent. The priors on what
 // the whole stack shares (the trends, the camera) stand as they are: all photographs speak against them.
 constexpr double kDependent = 10;  // [1] samples
 constexpr double kSparse = 500;    // [pixels] of which that was found
 // What is known of one number from a measurement, with its standard error, stands against samples of which
 // one in kDependent is independent.
 const double kKnownWeight = std::sqrt(kDependent);
-constexpr double kStartScale = 20;  // [sigma] at first, so that a lamp three times too strong is no outlier
+constexpr double kStartScale = 20;  // [sigma] at first, so that a light three times too strong is no outlier
 constexpr double kRobustScale = 2;  // [sigma] as the pixel fit's, at least
 // [sigma] Where the residuals spread by more than sigma: then what is an outlier is not known, and most of
 // metal would be one: at 2 sigma coin's minimum is that of a few pixels, and photographs left out are
@@ -33,7 +33,7 @@ constexpr double kGainSigma = 0.05;    // [1] ln gain, about its smooth trend, a
 constexpr double kBiweight = 4.685;    // [sigma] Beaton & Tukey 1974: 95 % efficient on normal values
 constexpr double kTrendSigma = 0.2;    // [1] ln gain
 constexpr double kFieldSigma = 0.05;   // [rad] rms of each mode of a smooth field of turns
-constexpr double kTurnSigma = 0.1;     // [rad] of a lamp's own turn
+constexpr double kTurnSigma = 0.1;     // [rad] of a light's own turn
 constexpr double kBeamSigma = 0.3;     // [1] ln irradiance at the border, of a term of a beam
 constexpr double kNoTurn = 0.001;      // [rad] what stands for none of its own
 constexpr double kSurest = 1e-4;       // [rad] of a direction that was measured
@@ -41,7 +41,7 @@ constexpr double kCameraSigma = 0.5;   // [1/width]
 constexpr double kRoughSigma = 0.3;    // [1] of diffuse roughness, from 0
 constexpr double kHeightSigma = 0.02;  // [width] of the surface above where directions are from
 // Enough for every minimum to be reached (real stacks need 12 to 113 steps): where the search was cut short
-// at 40, homographies 1e-5 pixels apart gave lamps 10 % and held-out photographs 0.6 dB apart.
+// at 40, homographies 1e-5 pixels apart gave lights 10 % and held-out photographs 0.6 dB apart.
 constexpr int kIterations = 400;
 
 constexpr int kPixel = kJointPixel, kRig = kJointRig, kTurn = kJointTurn, kBeam = kJointBeam;
@@ -53,9 +53,9 @@ ceres::CostFunction* cost(Functor functor) {
 
 // Products of beam_terms(), in mean over the pixels: what carries the terms of a beam to its mean square.
 using BeamMoments = std::array<double, kBeam * kBeam>;
-BeamMoments beam_moments(const std::vector<JointLights::Pixel>& pixels) {
+BeamMoments beam_moments(const std::vector<LightBundleAdjustment::Pixel>& pixels) {
     BeamMoments moments{};
-    for (const JointLights::Pixel& pixel : pixels) {
+    for (const LightBundleAdjustment::Pixel& pixel : pixels) {
         const std::array<double, kBeam> terms = beam_terms(pixel.position);
         for (std::size_t i = 0; i < moments.size(); ++i)
             moments[i] += terms[i / kBeam] * terms[i % kBeam] / static_cast<double>(pixels.size());
@@ -67,7 +67,7 @@ BeamMoments beam_moments(const std::vector<JointLights::Pixel>& pixels) {
 // orders blocks by their address, and so its sums.
 class Blocks {
 public:
-    Blocks(const JointLights& joint, const JointFreedom& freedom)
+    Blocks(const LightBundleAdjustment& joint, const JointFreedom& freedom)
         : robust_scale(joint.robust_scale),
           freedom_(freedom),
           prior_weight_(std::sqrt(std::max(1.0, static_cast<double>(joint.pixels.size()) / kDependent))),
@@ -77,15 +77,16 @@ public:
             directions = DirectionField(joint.directions, !freedom.gains);
         pixels_ = joint.pixels.size();
         values_.reserve(kPixel * pixels_ + (1 + kTurn + kBeam) * photos_ + kJointTrend + kRig + field_size());
-        for (const JointLights::Pixel& p : joint.pixels)
+        for (const LightBundleAdjustment::Pixel& p : joint.pixels)
             values_.insert(values_.end(), {p.slope.x, p.slope.y, p.ln_alpha, p.specular, p.diffuse});
         values_.insert(values_.end(), joint.log_gains.begin(), joint.log_gains.end());
         for (const glm::dvec2& turn : joint.turns) values_.insert(values_.end(), {turn.x, turn.y});
         for (const std::array<double, kBeam>& beam : joint.beams)
             values_.insert(values_.end(), beam.begin(), beam.end());
         values_.resize(values_.size() + kJointTrend);
-        values_.insert(values_.end(), {joint.rig.lamp_nearness, joint.rig.ambient, joint.rig.camera_nearness,
-                                       joint.rig.bend, joint.rig.roughness, joint.rig.height});
+        values_.insert(values_.end(), {joint.rig.light_inverse_distance, joint.rig.ambient,
+                                       joint.rig.camera_inverse_distance, joint.rig.bend, joint.rig.roughness,
+                                       joint.rig.height});
         values_.resize(values_.size() + field_size());
         add_observations(joint);
         add_pixels();
@@ -124,9 +125,9 @@ public:
         SchurSummary summary = minimise(tolerance);
         final_cost = summary.final_cost;
         if (start == JointStart::there) {
-            // Also after a wide loss: what the lamps' model explains from that minimum on is what tells them.
-            // What lies far off is so by the spread that is left there (MM-estimates, Yohai 1987): by sigma
-            // alone, most of metal that is no Ward lobe would be.
+            // Also after a wide loss: what the lights' model explains from that minimum on is what tells
+            // them. What lies far off is so by the spread that is left there (MM-estimates, Yohai 1987): by
+            // sigma alone, most of metal that is no Ward lobe would be.
             const double spread = std::max(1.0, spread_of_residuals());
             robust_->Reset(new ceres::TukeyLoss(kBiweight * spread), ceres::TAKE_OWNERSHIP);
             summary = minimise(tolerance);
@@ -134,13 +135,13 @@ public:
         return summary.usable;
     }
 
-    JointLights::Errors errors() {
+    LightBundleAdjustment::Errors errors() {
         robust_->Reset(new ceres::CauchyLoss(robust_scale), ceres::TAKE_OWNERSHIP);
         // Only ratios of gains are known, and where all are far from the trend nothing else holds the whole.
         if (freedom_.gains) problem_.SetParameterBlockConstant(log_gain(0));
         const bool directed = freedom_.directions != DirectionFreedom::listed;
         const bool rig_moves = freedom_.rig || measured();
-        JointLights::Errors errors;
+        LightBundleAdjustment::Errors errors;
         if (!directed && !freedom_.beams && !freedom_.gains && !rig_moves) return errors;
         const auto covariance = SharedCovariance::of(problem_, eliminated());
         if (!covariance) return errors;
@@ -186,7 +187,7 @@ private:
         return 1.4826 * median(std::move(sizes));
     }
 
-    // Pixels are many and meet only in the lamps and the rig.
+    // Pixels are many and meet only in the lights and the rig.
     std::vector<double*> eliminated() {
         std::vector<double*> blocks;
         for (std::size_t i = 0; i < pixels_; ++i) blocks.push_back(pixel(i));
@@ -213,8 +214,8 @@ private:
         return errors;
     }
 
-    void add_observations(const JointLights& joint) {
-        for (const JointLights::Observation& o : joint.observations) {
+    void add_observations(const LightBundleAdjustment& joint) {
+        for (const LightBundleAdjustment::Observation& o : joint.observations) {
             const auto at = static_cast<std::size_t>(o.pixel), photo = static_cast<std::size_t>(o.photo);
             problem_.AddResidualBlock(
                 new JointResidual({joint.directions[photo], joint.nearer[photo], joint.pixels[at].position,
@@ -237,10 +238,10 @@ private:
         }
     }
 
-    void add_gains(const JointLights& joint) {
-        // A lamp far from the trend must not be drawn to it at all: with Cauchy's loss, which never lets go,
-        // a weak lamp at 15 degrees came out 4 % too strong. Nor must one that is near it by chance where the
-        // others are not: 3 %.
+    void add_gains(const LightBundleAdjustment& joint) {
+        // A light far from the trend must not be drawn to it at all: with Cauchy's loss, which never lets go,
+        // a weak light at 15 degrees came out 4 % too strong. Nor must one that is near it by chance where
+        // the others are not: 3 %.
         auto* outlying = new ceres::TukeyLoss(kBiweight * prior_weight_);
         const double weight = prior_weight_ / std::max(joint.gain_scatter, kGainSigma);
         for (std::size_t i = 0; i < photos_; ++i) {
@@ -254,7 +255,7 @@ private:
                                   nullptr, trend());
     }
 
-    void add_turns(const JointLights& joint) {
+    void add_turns(const LightBundleAdjustment& joint) {
         for (std::size_t i = 0; i < photos_; ++i) {
             if (freedom_.directions == DirectionFreedom::listed ||
                 (measured() && !(joint.direction_sigma[i] > 0)))
@@ -282,7 +283,7 @@ private:
         problem_.AddResidualBlock(new PullToZero(directions.modes(), field_weight(joint)), nullptr, field());
     }
 
-    // What all lamps have in common is left to the albedo, and what goes with their directions to a bulge:
+    // What all lights have in common is left to the albedo, and what goes with their directions to a bulge:
     // where photographs can't tell, few uneven beams are likelier than many.
     void add_beams() {
         auto* outlying = freedom_.beams ? new ceres::CauchyLoss(prior_weight_) : nullptr;
@@ -295,7 +296,7 @@ private:
         }
     }
 
-    double turn_weight(const JointLights& joint, std::size_t photo) const {
+    double turn_weight(const LightBundleAdjustment& joint, std::size_t photo) const {
         switch (freedom_.directions) {
             case DirectionFreedom::measured:
                 return kKnownWeight / std::max(joint.direction_sigma[photo], kSurest);
@@ -306,9 +307,9 @@ private:
         }
     }
 
-    // What is measured with one ball is off alike for lamps that are near each other: as a whole by as much
-    // as each by itself.
-    double field_weight(const JointLights& joint) const {
+    // What is measured with one sphere is off alike for lights that are near each other: as a whole by as
+    // much as each by itself.
+    double field_weight(const LightBundleAdjustment& joint) const {
         if (!measured()) return 1 / kFieldSigma;
         double squares = 0;
         for (const double sigma : joint.direction_sigma)
@@ -316,7 +317,7 @@ private:
         return kKnownWeight * std::sqrt(directions.modes() / std::max(squares, kSurest * kSurest));
     }
 
-    void add_rig(const JointLights& joint) {
+    void add_rig(const LightBundleAdjustment& joint) {
         const double rough = measured() ? kKnownWeight / kRoughSigma : 0;
         problem_.AddResidualBlock(
             cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0, rough, 1 / kHeightSigma}}), nullptr,
@@ -325,16 +326,16 @@ private:
             {{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}, {0, 1}, {-0.2, 0.2}}};
         for (int i = 0; i < kRig; ++i) {
             const bool known =
-                i == 2 ? joint.camera_known : (i == 0 || i == 3 || i == 5) && joint.lamps_known;
+                i == 2 ? joint.camera_known : (i == 0 || i == 3 || i == 5) && joint.lights_known;
             if (known) continue;  // may lie outside, and stays
             problem_.SetParameterLowerBound(rig(), i, bounds[static_cast<std::size_t>(i)][0]);
             problem_.SetParameterUpperBound(rig(), i, bounds[static_cast<std::size_t>(i)][1]);
         }
         // Strengths of their own take up what the surface's height makes of the light, and of directions
         // alone it would be whatever is wrong with them.
-        const bool lamps = joint.lamps_known || !freedom_.rig, height = lamps || freedom_.gains;
-        const std::array<bool, kRig> holds = {lamps, !freedom_.rig, joint.camera_known || !freedom_.rig,
-                                              lamps, !measured(),   height};
+        const bool lights = joint.lights_known || !freedom_.rig, height = lights || freedom_.gains;
+        const std::array<bool, kRig> holds = {lights, !freedom_.rig, joint.camera_known || !freedom_.rig,
+                                              lights, !measured(),   height};
         std::vector<int> known;
         for (int i = 0; i < kRig; ++i)
             if (holds[static_cast<std::size_t>(i)]) known.push_back(i);
@@ -356,7 +357,7 @@ private:
 
 }  // namespace
 
-bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
+bool LightBundleAdjustment::solve(const JointFreedom& freedom, JointStart start) {
     Blocks blocks(*this, freedom);
     if (!blocks.solve(start)) return false;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -387,15 +388,15 @@ bool JointLights::solve(const JointFreedom& freedom, JointStart start) {
     return true;
 }
 
-double JointLights::unevenness(std::size_t lamp) const {
+double LightBundleAdjustment::unevenness(std::size_t light) const {
     const BeamMoments moments = beam_moments(pixels);
     double squares = 0;
     for (std::size_t i = 0; i < moments.size(); ++i)
-        squares += moments[i] * beams[lamp][i / kBeam] * beams[lamp][i % kBeam];
+        squares += moments[i] * beams[light][i / kBeam] * beams[light][i % kBeam];
     return std::sqrt(std::max(squares, 0.0));
 }
 
-JointLights::Errors JointLights::errors(const JointFreedom& freedom) const {
+LightBundleAdjustment::Errors LightBundleAdjustment::errors(const JointFreedom& freedom) const {
     return Blocks(*this, freedom).errors();
 }
 

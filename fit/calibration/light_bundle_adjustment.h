@@ -12,15 +12,15 @@
 
 namespace tangi {
 
-// Where the parameters start: at values that may be far off (a lamp three times as strong), near the minimum,
-// or at it: then what lies far off, as shadows do, does not count at all any more.
+// Where the parameters start: at values that may be far off (a light three times as strong), near the
+// minimum, or at it: then what lies far off, as shadows do, does not count at all any more.
 enum class JointStart { far, near, there };
 
-// How the lamps' directions may differ from those listed.
+// How the lights' directions may differ from those listed.
 enum class DirectionFreedom {
     listed,  // not at all
     smooth,  // they turn by a smooth field of few numbers over direction
-    own,     // and each lamp by a few degrees of its own
+    own,     // and each light by a few degrees of its own
     // As own, but by as much as the directions' standard errors say; and the diffuse roughness with it, which
     // photographs tell only together with the directions.
     measured,
@@ -32,12 +32,12 @@ struct JointFreedom {
     bool gains = true;  // else they do
     DirectionFreedom directions = DirectionFreedom::listed;
     bool beams = false;  // else they are even, or as given
-    // Else the pixels stay too, and each lamp stands alone: its own turn is only kept small.
+    // Else the pixels stay too, and each light stands alone: its own turn is only kept small.
     bool pixels = true;
 };
 
 // Lengths are in picture widths (the longer side), positions from the centre, y up.
-struct JointLights {
+struct LightBundleAdjustment {
     struct Pixel {
         glm::dvec2 position{0};
         int sample = 0;  // the caller's name for it
@@ -50,22 +50,23 @@ struct JointLights {
         double sigma;  // [1] > 0
     };
     struct RigParameters {
-        double lamp_nearness = 0;    // [1/width] of the lamps' distance; 0 = far away
-        double ambient = 0;          // [1] as Rig::ambient
-        double camera_nearness = 0;  // [1/width]
-        double bend = 0;             // [1/width] as Rig::bend_per_mm
-        double roughness = 0;        // [1] as ReflectanceLaw::diffuse_roughness
-        double height = 0;           // [width] as Rig::surface_above_mm
+        double light_inverse_distance = 0;   // [1/width] of the lights' distance; 0 = far away
+        double ambient = 0;                  // [1] as Rig::ambient
+        double camera_inverse_distance = 0;  // [1/width]
+        double bend = 0;                     // [1/width] as Rig::bend_per_mm
+        double roughness = 0;                // [1] as ReflectanceModel::diffuse_roughness
+        double height = 0;                   // [width] as Rig::surface_above_mm
     };
 
-    std::vector<glm::dvec3> directions;  // [unit vectors] of the lamps, one a photograph
+    std::vector<glm::dvec3> directions;  // [unit vectors] of the lights, one a photograph
     std::vector<Pixel> pixels;
     std::vector<Observation> observations;
 
-    std::vector<double> nearer;  // [1] of each lamp: how many times nearer than rig.lamp_nearness says
-    bool lamps_known = false;    // their nearness is as given, and nothing bends
-    bool camera_known = false;   // its nearness is as given
-    glm::dvec2 camera_axis{0};   // above which the camera is
+    std::vector<double>
+        nearer;  // [1] of each light: how many times nearer than rig.light_inverse_distance says
+    bool lights_known = false;  // their nearness is as given, and nothing bends
+    bool camera_known = false;  // its nearness is as given
+    glm::dvec2 camera_axis{0};  // above which the camera is
 
     // [rad] Standard error of each direction as listed, of either component; 0: it stays. Of use where
     // directions are measured.
@@ -84,8 +85,8 @@ struct JointLights {
 
     double cost = 0;  // result: half the sum of squares, as the robust loss counts them, priors included
 
-    // [1] How uneven a lamp's beam is: rms of ln irradiance over the pixels.
-    double unevenness(std::size_t lamp) const;
+    // [1] How uneven a light's beam is: rms of ln irradiance over the pixels.
+    double unevenness(std::size_t light) const;
 
     // Minimises. False where the start cannot be evaluated.
     bool solve(const JointFreedom& freedom, JointStart start);
@@ -95,7 +96,7 @@ struct JointLights {
     struct Errors {
         std::vector<double> log_gains;       // [1] of each, less the mean of all
         std::vector<double> direction_deg;   // of each, across it, in rms of its two components
-        std::vector<double> beams;           // [1] of ln irradiance, of each lamp: rms over the picture
+        std::vector<double> beams;           // [1] of ln irradiance, of each light: rms over the picture
         std::optional<RigParameters> rig{};  // 0: stays as given
     };
     Errors errors(const JointFreedom& freedom) const;

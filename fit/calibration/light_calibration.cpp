@@ -10,36 +10,36 @@ namespace tangi {
 
 namespace {
 
-constexpr LeftOutPhotos kHalfOfThem = {3, 6};
+constexpr RejectedPhotos kHalfOfThem = {3, 6};
 // Fewer photographs say nothing of a surface when one of them is left out.
 constexpr int kFewestForRig = 5;
-// Fewer don't tell what each lamp has of its own beside its strength (of 7 near lamps, uneven beams made
+// Fewer don't tell what each light has of its own beside its strength (of 7 near lights, uneven beams made
 // normals worse, 4.6 degrees instead of 3.2). Strengths are told by six: of 22 generated stacks with 6 to 11
-// lamps, all 10 whose lamps were 1.4 to 2 times apart gained, 0.1 to 7 dB held out; the others stayed as they
-// were, but for 2 that gained.
+// lights, all 10 whose lights were 1.4 to 2 times apart gained, 0.1 to 7 dB held out; the others stayed as
+// they were, but for 2 that gained.
 constexpr int kFewestForOwn = 12;
 constexpr int kFiner = 4;              // pixels that the chosen model is solved with at last, by those before
-constexpr std::size_t kMostNamed = 5;  // lamps, in a warning
+constexpr std::size_t kMostNamed = 5;  // lights, in a warning
 constexpr double kDoubtful_deg = 5;    // [deg] a correction that the user is told of
-// A smooth correction is believed where lamps turned by so many standard errors: less, and it takes up what
+// A smooth correction is believed where lights turned by so many standard errors: less, and it takes up what
 // the model leaves out (synth_canvas, whose directions are right: 2.6; leaf: 4.7).
 constexpr double kSureTurns = 3;
-// [dB] Likewise by strengths of their own: one unknown a lamp. They are looked at last, since lamps of wrong
-// direction seem to be of wrong strength.
+// [dB] Likewise by strengths of their own: one unknown a light. They are looked at last, since lights of
+// wrong direction seem to be of wrong strength.
 constexpr double kGainsWorth_db = 0.75;
-// Or so many pixels, where metal outweighs all others in a photograph (generated gold beside paint, lamps
+// Or so many pixels, where metal outweighs all others in a photograph (generated gold beside paint, lights
 // twice apart: 0.82, 2.2 dB).
 constexpr PixelWorth kGainsWorth{0.8, 1};
-// [dB] Likewise by beams of their own, five unknowns a lamp, and then lamps that no photograph had must not
+// [dB] Likewise by beams of their own, five unknowns a light, and then lights that no photograph had must not
 // be predicted any worse (fresco lost 0.8 dB where 0.1 was let pass).
 constexpr double kBeamsWorth_db = 1.5;
 // Or so many pixels (generated reflectors: 0.98 to 0.99, 1.2 to 4.5 dB; fresco: 0.94, 0.7 dB).
 constexpr PixelWorth kBeamsWorth{0.9, 1.5};
-// Fewer photographs don't tell a lamp's direction from what the model leaves out: of 16 lamps whose
+// Fewer photographs don't tell a light's direction from what the model leaves out: of 16 lights whose
 // directions were right, some were "corrected" by 5 degrees.
 constexpr std::size_t kFewestForDirections = 24;
 
-// Root mean square over the lamps of how far they turned, in standard errors.
+// Root mean square over the lights of how far they turned, in standard errors.
 double turns_in_sigmas(const LightCalibration& calibration) {
     double squares = 0, count = 0;
     for (const LightCalibration::Turn& turn : calibration.turns) {
@@ -52,11 +52,11 @@ double turns_in_sigmas(const LightCalibration& calibration) {
 
 }  // namespace
 
-std::string name_of(const LightModel& model) {
-    constexpr std::array lamps = {"as given", "rig", "rig and gains"};
+std::string name_of(const LightingModel& model) {
+    constexpr std::array lights = {"as given", "rig", "rig and gains"};
     constexpr std::array directions = {"", ", smooth directions", ", own directions",
                                        ", measured directions"};
-    return fmt::format("{}{}{}", lamps[static_cast<std::size_t>(model.lamps)],
+    return fmt::format("{}{}{}", lights[static_cast<std::size_t>(model.lights)],
                        directions[static_cast<std::size_t>(model.directions)],
                        model.beams ? ", uneven beams" : "");
 }
@@ -75,7 +75,7 @@ std::string warning_of(const LightCalibration& calibration, const std::string& f
                              calibration.turns[i].sigma_deg);
     if (turned.size() > kMostNamed) names += fmt::format(" and {} more", turned.size() - kMostNamed);
     return fmt::format(
-        "{}: the photographs contradict the listed directions of {} of {} lamps by more than {} degrees: "
+        "{}: the photographs contradict the listed directions of {} of {} lights by more than {} degrees: "
         "{}; corrected, --lights-as-given keeps them",
         folder, turned.size(), calibration.turns.size(), kDoubtful_deg, names);
 }
@@ -99,8 +99,8 @@ nlohmann::json to_json(const LightCalibration& calibration) {
         return mm && relative > 0 ? json(*mm * relative) : json(nullptr);
     };
     for (const LightCalibration::Trial& trial : calibration.trials)
-        trials[name_of(trial.model)] = trial.left_out_db;
-    if (calibration.lamps)
+        trials[name_of(trial.model)] = trial.cv_psnr_db;
+    if (calibration.lights)
         for (const Light& light : calibration.lighting.lights) gains[light.name] = light.gain.g;
     for (std::size_t i = 0; i < calibration.turns.size(); ++i)
         turns[calibration.lighting.lights[i].name] = {{"changed_deg", calibration.turns[i].changed_deg},
@@ -110,9 +110,9 @@ nlohmann::json to_json(const LightCalibration& calibration) {
                                                       {"rms", calibration.unevenness[i].rms},
                                                       {"sigma", calibration.unevenness[i].sigma}};
     return {{"calibrated", name_of(calibration.model)},
-            {"left_out_db", trials},
+            {"cv_psnr_db", trials},
             {"ambient", rig.ambient},
-            {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
+            {"light_distance_mm", distance(rig.light_distance_mm)},
             {"surface_above_mm", rig.surface_above_mm},
             {"camera_distance_mm", distance(rig.camera_distance_mm)},
             {"bend_per_mm", rig.bend_per_mm},
@@ -123,7 +123,7 @@ nlohmann::json to_json(const LightCalibration& calibration) {
                calibration.rig_sigma.ambient > 0 ? json(calibration.rig_sigma.ambient) : json(nullptr)},
               {"diffuse_roughness",
                calibration.diffuse_roughness ? json(calibration.rig_sigma.diffuse_roughness) : json(nullptr)},
-              {"lamp_distance_mm", error(rig.lamp_distance_mm, calibration.rig_sigma.lamp_distance)},
+              {"light_distance_mm", error(rig.light_distance_mm, calibration.rig_sigma.light_distance)},
               {"surface_above_mm", calibration.rig_sigma.surface_above_mm > 0
                                        ? json(calibration.rig_sigma.surface_above_mm)
                                        : json(nullptr)},
@@ -141,11 +141,11 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     validate(options);
     const int photos = static_cast<int>(stack.photos.size());
     if (photos < kFewestForRig) return {.lighting = given};
-    // Few photographs tell what all lamps share, fewer not each lamp's strength: one more unknown a
+    // Few photographs tell what all lights share, fewer not each light's strength: one more unknown a
     // photograph.
     const bool few = photos < std::max(kFewestForOwn, options.fewest_photos),
                gains = photos >= options.fewest_photos;
-    const LeftOutPhotos out = few ? LeftOutPhotos{photos, photos} : kHalfOfThem;
+    const RejectedPhotos out = few ? RejectedPhotos{photos, photos} : kHalfOfThem;
     const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
     std::mutex mutex;
     int done = 0;
@@ -156,8 +156,8 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     };
     std::vector<TriedModel> all;
     std::size_t best = 0;
-    const auto attempt = [&](const std::vector<LightModel>& models,
-                             const std::optional<JointLights>& from = {}) {
+    const auto attempt = [&](const std::vector<LightingModel>& models,
+                             const std::optional<LightBundleAdjustment>& from = {}) {
         for (TriedModel& one : tried(sample, given, models, out, step_done, from)) {
             all.push_back(std::move(one));
             if (!all.back().solution && all.size() > 1) {
@@ -167,13 +167,14 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
             const LightCalibration::Trial &tried_now = all.back().trial, &best_yet = all[best].trial;
             // Beams have more to show than a better prediction: attempt_own().
             if (tried_now.model.beams == best_yet.model.beams &&
-                is_better(tried_now, best_yet, options.worth_db))
+                is_better(tried_now, best_yet, options.min_gain_db))
                 best = all.size() - 1;
         }
     };
-    // Whether a model that gives each lamp more of its own is to be taken: tried where it has not been.
-    const auto attempt_own = [&](const LightModel& wanted, double explained_db, double loss_db,
-                                 const PixelWorth& of_pixels, const std::optional<JointLights>& from = {}) {
+    // Whether a model that gives each light more of its own is to be taken: tried where it has not been.
+    const auto attempt_own = [&](const LightingModel& wanted, double explained_db, double loss_db,
+                                 const PixelWorth& of_pixels,
+                                 const std::optional<LightBundleAdjustment>& from = {}) {
         const auto is_wanted = [&](const TriedModel& one) { return one.trial.model == wanted; };
         const std::size_t before = best;
         if (std::none_of(all.begin(), all.end(), is_wanted)) attempt({wanted}, from);
@@ -183,24 +184,24 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
             best = static_cast<std::size_t>(found - all.begin());
     };
     const auto attempt_beams = [&](const TriedModel& even) {
-        LightModel uneven = even.trial.model;
+        LightingModel uneven = even.trial.model;
         uneven.beams = true;
         attempt_own(uneven, kBeamsWorth_db, 0, kBeamsWorth, std::optional(even.solution));
     };
-    std::vector<LightModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
+    std::vector<LightingModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
     if (gains) models.push_back({LightFreedom::rig_and_gains});
     attempt(models);
     const std::size_t listed = best;
-    const LightFreedom lamps = all[best].trial.model.lamps;
-    // A lamp that was left out has no part in directions of each lamp's own: with few photographs leaving
+    const LightFreedom lights = all[best].trial.model.lights;
+    // A light that was left out has no part in directions of each light's own: with few photographs leaving
     // some out says nothing of them, and it is up to the user.
     const bool measured = !given.direction_sigma_deg.empty();
     const DirectionFreedom refined = measured ? DirectionFreedom::measured : DirectionFreedom::own;
     const bool refines = !few && (options.refine_directions || measured);
     if (refines)
-        attempt({{lamps, refined}});
+        attempt({{lights, refined}});
     else if (!few && stack.photos.size() >= kFewestForDirections)
-        attempt({{lamps, DirectionFreedom::smooth}, {lamps, DirectionFreedom::own}});
+        attempt({{lights, DirectionFreedom::smooth}, {lights, DirectionFreedom::own}});
     if (refines && all.back().trial.model.directions == refined) best = all.size() - 1;
     const auto calibration_of = [&](const TriedModel& one) {
         return one.solution ? calibrated(sample, *one.solution, given, one.trial.model)
@@ -209,19 +210,19 @@ LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, cons
     if (all[best].trial.model.directions == DirectionFreedom::smooth &&
         turns_in_sigmas(calibration_of(all[best])) < kSureTurns)
         best = listed;
-    // Lamps of other strength seem to stand elsewhere, too: what explains more of the pixels is it.
+    // Lights of other strength seem to stand elsewhere, too: what explains more of the pixels is it.
     const auto strengths = std::find_if(all.begin(), all.end(), [](const TriedModel& one) {
-        return one.trial.model == LightModel{LightFreedom::rig_and_gains};
+        return one.trial.model == LightingModel{LightFreedom::rig_and_gains};
     });
     if (all[best].trial.model.directions == DirectionFreedom::own && !refines && strengths != all.end() &&
         strengths->trial.pixels.part_better_than(all[best].trial.pixels) > kMostPixels)
         best = listed;
-    if (gains && lamps != LightFreedom::rig_and_gains) {
-        LightModel wanted = all[best].trial.model;
-        wanted.lamps = LightFreedom::rig_and_gains;
-        attempt_own(wanted, kGainsWorth_db, options.worth_db, kGainsWorth);
+    if (gains && lights != LightFreedom::rig_and_gains) {
+        LightingModel wanted = all[best].trial.model;
+        wanted.lights = LightFreedom::rig_and_gains;
+        attempt_own(wanted, kGainsWorth_db, options.min_gain_db, kGainsWorth);
     }
-    // Lamps that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried
+    // Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried
     // with the directions as listed.
     if (!few) {
         const TriedModel even = all[best], as_listed = all[listed];

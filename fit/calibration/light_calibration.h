@@ -1,19 +1,19 @@
-// light_calibration.h: how strong, how near and how even the lamps were, what light came from all around, and
-// how near the camera was, from the photographs of a stack alone.
+// light_calibration.h: how strong, how near and how even the lights were, what light came from all around,
+// and how near the camera was, from the photographs of a stack alone.
 //
 // Solved by fit/calibration/schur_solver.h jointly with the surface: for a sample of pixels a slope, a grey
-// rho_d, rho_s and alpha each; for each photograph ln gain, and a polynomial of the place where lamps are
-// uneven; for the stack the ambient light and the distances of lamps and camera, all against the photographs,
-// robustly. What is found is used only where it predicts photographs that were left out better.
+// rho_d, rho_s and alpha each; for each photograph ln gain, and a polynomial of the place where lights are
+// uneven; for the stack the ambient light and the distances of lights and camera, all against the
+// photographs, robustly. What is found is used only where it predicts photographs that were left out better.
 //
 // What photographs cannot tell is fixed so:
 //   strength   the median gain is 1; white_level says what that means
 //   tilt       directions at the picture's centre are those of the lights file
 //   evenness   what all photographs have in common is the painting's: a lens that is darker towards its
 //   corners,
-//              or lamps that all are, are divided out by a flat field (`--flat`) only
+//              or lights that all are, are divided out by a flat field (`--flat`) only
 //   bulge      the painting is flat as a whole: slopes are around 0 and do not grow from the centre to the
-//              borders more than the lamps' distance explains (Rig::bend_per_mm takes up the rest)
+//              borders more than the lights' distance explains (Rig::bend_per_mm takes up the rest)
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -33,29 +33,30 @@ namespace tangi {
 
 // What may differ from the lights file.
 enum class LightFreedom {
-    none,           // distant lamps of equal strength
-    rig,            // ambient light, distances of lamps and camera
-    rig_and_gains,  // and a strength for each lamp
+    none,           // distant lights of equal strength
+    rig,            // ambient light, distances of lights and camera
+    rig_and_gains,  // and a strength for each light
 };
 
 // One way to explain the photographs.
-struct LightModel {
-    LightFreedom lamps = LightFreedom::none;
+struct LightingModel {
+    LightFreedom lights = LightFreedom::none;
     DirectionFreedom directions = DirectionFreedom::listed;
-    bool beams = false;  // each lamp lights the picture unevenly in its own way
+    bool beams = false;  // each light lights the picture unevenly in its own way
 
-    friend bool operator==(const LightModel&, const LightModel&) = default;
+    friend bool operator==(const LightingModel&, const LightingModel&) = default;
 };
-std::string name_of(const LightModel& model);
+std::string name_of(const LightingModel& model);
 
 struct LightCalibrationOptions {
     int samples = 500;  // [1] pixels to solve for
-    // [1] with fewer, lamps are taken to be equally strong, and only what all share is found: how near they
+    // [1] with fewer, lights are taken to be equally strong, and only what all share is found: how near they
     // are, ambient light; with fewer than five nothing is
     int fewest_photos = 6;
-    double worth_db =
-        0.1;  // [dB] by which it must predict left-out photographs better, less the standard error
-    bool refine_directions = false;  // each lamp's direction is corrected, whatever left-out photographs say
+    double min_gain_db =
+        0.1;  // [dB] by which it must predict validation photographs better, less the standard error
+    bool refine_directions =
+        false;  // each light's direction is corrected, whatever validation photographs say
 
     static constexpr std::string_view name = "light_calibration";
     template <class Self, class Visit>
@@ -63,36 +64,36 @@ struct LightCalibrationOptions {
         visit(FieldInfo{"samples", 50, 4000, "1", "pixels to calibrate the lights with"}, self.samples);
         visit(
             FieldInfo{"fewest_photos", 6, 10000, "1",
-                      "photographs below which lamps are taken to be equally strong, as only what all share "
+                      "photographs below which lights are taken to be equally strong, as only what all share "
                       "is found"},
             self.fewest_photos);
         visit(
             FieldInfo{
-                "worth_db", 0, 100, "dB",
-                "improvement on left-out photographs, beyond its standard error, that calibrating needs"},
-            self.worth_db);
+                "min_gain_db", 0, 100, "dB",
+                "improvement on validation photographs, beyond its standard error, that calibrating needs"},
+            self.min_gain_db);
         visit(
             FieldInfo{
                 "refine_directions", 0, 1, "",
-                "correct each lamp's direction: for lights files that are known to be some degrees off"},
+                "correct each light's direction: for lights files that are known to be some degrees off"},
             self.refine_directions);
     }
 };
 
 struct LightCalibration {
     struct Trial {
-        LightModel model;
-        double left_out_db = 0;         // [dB] mean PSNR of photographs left out in turn, on the sample
+        LightingModel model;
+        double cv_psnr_db = 0;          // [dB] mean PSNR of photographs left out in turn, on the sample
         std::vector<double> photos_db;  // [dB] of each of them, the same photographs in all trials
         // [dB] Of each of them on half of the pixels, once strength and direction, as far as the model gives
-        // each lamp its own, are found again from the others.
+        // each light its own, are found again from the others.
         std::vector<double> located_db;
         PixelScores pixels;  // the same half, pixel by pixel
     };
-    Lighting lighting;                 // lights in the order of stack.photos
-    std::optional<LampModel> lamps{};  // where gains were found
-    std::optional<BeamModel> beams{};  // where they were
-    LightModel model{};
+    Lighting lighting;                   // lights in the order of stack.photos
+    std::optional<LightModel> lights{};  // where gains were found
+    std::optional<BeamModel> beams{};    // where they were
+    LightingModel model{};
     // Where directions were corrected: of lighting.lights.
     struct Turn {
         double changed_deg = 0;  // from the listed direction
@@ -108,11 +109,11 @@ struct LightCalibration {
     // Standard errors (68 %), empty and 0 where nothing was found or it can't be told.
     std::vector<double> gain_sigma{};  // [1] relative, of lighting.lights, less what all have in common
     struct RigSigma {
-        double ambient = 0, diffuse_roughness = 0;      // [1]
-        double lamp_distance = 0, camera_distance = 0;  // [1] relative
+        double ambient = 0, diffuse_roughness = 0;       // [1]
+        double light_distance = 0, camera_distance = 0;  // [1] relative
         double surface_above_mm = 0;
     } rig_sigma{};
-    // [1] As ReflectanceLaw's, where directions are measured: photographs tell both only together.
+    // [1] As ReflectanceModel's, where directions are measured: photographs tell both only together.
     std::optional<double> diffuse_roughness{};
     DirectionField field{};              // what turns a direction that no photograph had ...
     std::vector<double> coefficients{};  // ... by these
@@ -121,17 +122,17 @@ struct LightCalibration {
 
 // The photographs' lights as the fit should take them. `given` has the lights of stack.photos; the survey is
 // of the stack. Directions whose standard errors are given are corrected as far as these allow, whatever
-// left-out photographs say, which share nothing with a lamp's own error. Deterministic for any number of
+// validation photographs say, which share nothing with a light's own error. Deterministic for any number of
 // threads.
 LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, const Transfer& transfer,
                                   const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options = {},
                                   const Progress& progress = {});
 
-// The direction of a lamp that no photograph had, given one of the lights file.
+// The direction of a light that no photograph had, given one of the lights file.
 Vec3 corrected_direction(const LightCalibration& calibration, const Vec3& listed);
 
-// Names the lamps whose directions were corrected by more than 5 degrees; empty where there are none.
+// Names the lights whose directions were corrected by more than 5 degrees; empty where there are none.
 std::string warning_of(const LightCalibration& calibration, const std::string& folder);
 
 // What was found, for people and scripts: distances in mm, gains by photograph.

@@ -45,25 +45,25 @@ std::vector<dvec2> DirectionField::untold(const dvec3& d) const {
     return turns;
 }
 
-DirectionField::DirectionField(const std::vector<dvec3>& lamps, bool strengths_known)
+DirectionField::DirectionField(const std::vector<dvec3>& lights, bool strengths_known)
     : strengths_known_(strengths_known) {
-    const auto count = static_cast<Index>(lamps.size());
+    const auto count = static_cast<Index>(lights.size());
     constexpr auto polynomials = static_cast<Index>(kPolynomials);
     const auto motions = static_cast<Index>(untold({0, 0, 1}).size());
     MatrixXd field(2 * count, polynomials), motion(2 * count, motions);
-    const auto fill = [](MatrixXd& to, Index lamp, Index column, const dvec2& t) {
-        to(2 * lamp, column) = t.x;
-        to(2 * lamp + 1, column) = t.y;
+    const auto fill = [](MatrixXd& to, Index light, Index column, const dvec2& t) {
+        to(2 * light, column) = t.x;
+        to(2 * light + 1, column) = t.y;
     };
     for (Index i = 0; i < count; ++i) {
-        const dvec3& d = lamps[static_cast<std::size_t>(i)];
+        const dvec3& d = lights[static_cast<std::size_t>(i)];
         for (Index k = 0; k < polynomials; ++k) fill(field, i, k, polynomial(static_cast<std::size_t>(k), d));
         const std::vector<dvec2> turns = untold(d);
         for (Index k = 0; k < motions; ++k) fill(motion, i, k, turns[static_cast<std::size_t>(k)]);
     }
     MatrixXd normal = motion.transpose() * motion;
     normal.diagonal().array() +=
-        1e-9 * static_cast<double>(count);  // few lamps cannot tell all motions apart
+        1e-9 * static_cast<double>(count);  // few lights cannot tell all motions apart
     const MatrixXd of_motions = normal.ldlt().solve(motion.transpose() * field);
     field -= motion * of_motions;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(field.transpose() * field /

@@ -1,4 +1,4 @@
-// light_direction_field.h: small corrections of the lamps' directions, and which of them photographs can
+// light_direction_field.h: small corrections of the lights' directions, and which of them photographs can
 // tell.
 //
 // A correction is a turn t [1, tangents of angles] in the plane that touches the sphere of directions at d:
@@ -6,8 +6,8 @@
 // with a and b the x and y axes carried from the zenith to d along the great circle, so that they are smooth
 // over the whole hemisphere.
 //
-// What photographs cannot tell: a matt painting under lamps A^-T l is a painting with normals A n, for any
-// invertible A (Hayakawa 1994; Belhumeur, Kriegman & Yuille 1999), as far as the lamps' strengths are free.
+// What photographs cannot tell: a matt painting under lights A^-T l is a painting with normals A n, for any
+// invertible A (Hayakawa 1994; Belhumeur, Kriegman & Yuille 1999), as far as the lights' strengths are free.
 // Small A are eight motions of all directions together: three rotations, and five shears. They are fixed by
 // keeping the part of the corrections along them zero: as a whole, the directions are taken as they are
 // listed. Where strengths are known, only the rotations are left in doubt.
@@ -29,12 +29,12 @@ struct TangentFrame {
 TangentFrame tangent_frame(const glm::dvec3& direction);
 
 // Smooth fields of turns over direction: polynomials of the direction's x and y up to the second degree in
-// both components, without what they have of the motions that photographs cannot tell, in `lamps` taken
-// together. Each has rms 1 over the lamps, and they are orthogonal there.
+// both components, without what they have of the motions that photographs cannot tell, in `lights` taken
+// together. Each has rms 1 over the lights, and they are orthogonal there.
 class DirectionField {
 public:
     DirectionField() = default;
-    DirectionField(const std::vector<glm::dvec3>& lamps, bool strengths_known);
+    DirectionField(const std::vector<glm::dvec3>& lights, bool strengths_known);
 
     int modes() const { return static_cast<int>(modes_.size()); }
     // The turns of each of the fields at this direction.

@@ -15,30 +15,30 @@ namespace {
 
 // [deg] Turns that are less than this in rms are not worth trying.
 constexpr double kSmallTurn_deg = 0.5;
-// [1] Nor are beams that are this even: ln irradiance, rms over the picture, of the median lamp.
+// [1] Nor are beams that are this even: ln irradiance, rms over the picture, of the median light.
 constexpr double kEven = 0.005;
 // [1] Nor where they leave more than this of the cost (coin, which is neither flat nor matt: 0.98; leaf:
 // 0.75): what they predict better then is by chance.
 constexpr double kAsGood = 0.9;
-// [dB] By which directions of their own must explain photographs better: two unknowns a lamp take up some of
-// what the model leaves out, and lamps that no photograph had don't share them (real/canvas lost 3.7 dB at
+// [dB] By which directions of their own must explain photographs better: two unknowns a light take up some of
+// what the model leaves out, and lights that no photograph had don't share them (real/canvas lost 3.7 dB at
 // 0.1; synth_canvas/varied_1, whose metal is no Ward lobe, gains 1.8 by turns of 7 degrees that are wrong,
-// generated stacks whose lamps are 6 degrees off 6.4).
+// generated stacks whose lights are 6 degrees off 6.4).
 constexpr double kOwnWorth_db = 2.5;
-// [1] Part of the pixels that must be explained better by what lamps are turned or aimed otherwise; by their
-// strengths and distances most of them. A lamp lights all of them: what is true of it explains metal and
+// [1] Part of the pixels that must be explained better by what lights are turned or aimed otherwise; by their
+// strengths and distances most of them. A light lights all of them: what is true of it explains metal and
 // paint better alike (generated stacks: 0.62 to 1.00 of the pixels), what takes up that metal is no Ward lobe
-// worsens the paint beside it (half brushed metal, half paint under lamps that are right: strengths 0.31 to
+// worsens the paint beside it (half brushed metal, half paint under lights that are right: strengths 0.31 to
 // 0.35, directions 0.43 to 0.50).
 constexpr double kPixelsOfTurned = 0.55;
-// What all lamps share is also taken where so many pixels are explained better, the median one by so much:
+// What all lights share is also taken where so many pixels are explained better, the median one by so much:
 // the photographs as a whole, with metal that is no Ward lobe, hardly tell (generated gold beside paint under
-// near lamps and light from all around: 0.78, 1.7 dB; where there is nothing to find: 0.66, 0.2 dB at most).
+// near lights and light from all around: 0.78, 1.7 dB; where there is nothing to find: 0.66, 0.2 dB at most).
 constexpr PixelWorth kRigWorth{0.7, 0.5};
-// Likewise directions of their own (generated gold, lamps 5 degrees off: 0.93, 2.6 dB; where directions are
+// Likewise directions of their own (generated gold, lights 5 degrees off: 0.93, 2.6 dB; where directions are
 // right: 0.94 and 0.6 dB of varied_5, 0.88 and 0.7 of canvas, 0.70 and 0.8 of varied_1).
 constexpr PixelWorth kOwnWorth{0.9, 1.5};
-// [rad] By which a lamp's direction, or the painting as a whole, may be tilted where directions are taken as
+// [rad] By which a light's direction, or the painting as a whole, may be tilted where directions are taken as
 // listed, and which relief that no pixel resolves amounts to. Light that falls at an elevation e changes by
 // so much times cot e.
 constexpr double kTilt = 0.01;
@@ -59,14 +59,14 @@ Lighting subset(const Lighting& lighting, const std::vector<int>& photos) {
     return result;
 }
 
-JointFreedom freedom_of(const LightModel& model) {
-    return {.rig = model.lamps != LightFreedom::none,
-            .gains = model.lamps == LightFreedom::rig_and_gains,
+JointFreedom freedom_of(const LightingModel& model) {
+    return {.rig = model.lights != LightFreedom::none,
+            .gains = model.lights == LightFreedom::rig_and_gains,
             .directions = model.directions,
             .beams = model.beams};
 }
 
-void apply_directions(const JointLights& joint, LightCalibration& result) {
+void apply_directions(const LightBundleAdjustment& joint, LightCalibration& result) {
     result.field = joint.field;
     result.coefficients = joint.coefficients;
     for (std::size_t i = 0; i < joint.turns.size(); ++i) {
@@ -79,23 +79,24 @@ void apply_directions(const JointLights& joint, LightCalibration& result) {
 }
 
 // The lighting that a solved joint problem means.
-LightCalibration calibration_of(const LightSample& sample, const JointLights& joint, const Lighting& given,
-                                const LightModel& model) {
+LightCalibration calibration_of(const LightSample& sample, const LightBundleAdjustment& joint,
+                                const Lighting& given, const LightingModel& model) {
     LightCalibration result{.lighting = given, .model = model};
     Rig& rig = result.lighting.rig;
-    const auto distance = [&](double nearness) {
-        return nearness > kFar ? std::optional(static_cast<float>(sample.width_mm() / nearness))
-                               : std::nullopt;
+    const auto distance = [&](double inverse_distance) {
+        return inverse_distance > kFar
+                   ? std::optional(static_cast<float>(sample.width_mm() / inverse_distance))
+                   : std::nullopt;
     };
-    if (model.lamps != LightFreedom::none) {
+    if (model.lights != LightFreedom::none) {
         rig.ambient = static_cast<float>(joint.rig.ambient);
-        if (!joint.lamps_known) {
-            rig.lamp_distance_mm = distance(joint.rig.lamp_nearness);
-            if (rig.lamp_distance_mm)
+        if (!joint.lights_known) {
+            rig.light_distance_mm = distance(joint.rig.light_inverse_distance);
+            if (rig.light_distance_mm)
                 rig.surface_above_mm = static_cast<float>(joint.rig.height * sample.width_mm());
             rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
         }
-        if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_nearness);
+        if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_inverse_distance);
     }
     if (model.directions != DirectionFreedom::listed) apply_directions(joint, result);
     if (model.directions == DirectionFreedom::measured) result.diffuse_roughness = joint.rig.roughness;
@@ -111,13 +112,13 @@ LightCalibration calibration_of(const LightSample& sample, const JointLights& jo
         for (std::size_t i = 0; i < joint.beams.size(); ++i)
             result.unevenness.push_back({.rms = joint.unevenness(i), .sigma = 0});
     }
-    // One lamp that was carried around is as strong elsewhere as it was given.
-    if (model.lamps == LightFreedom::rig_and_gains && !joint.lamps_known)
-        result.lamps = fit_lamp_model(result.lighting.lights);
+    // One light that was carried around is as strong elsewhere as it was given.
+    if (model.lights == LightFreedom::rig_and_gains && !joint.lights_known)
+        result.lights = fit_light_model(result.lighting.lights);
     return result;
 }
 
-double median_unevenness(const JointLights& joint) {
+double median_unevenness(const LightBundleAdjustment& joint) {
     std::vector<double> all;
     for (std::size_t i = 0; i < joint.beams.size(); ++i) all.push_back(joint.unevenness(i));
     return median(std::move(all));
@@ -125,12 +126,13 @@ double median_unevenness(const JointLights& joint) {
 
 // The joint problem of all photographs, solved under one model; nothing where there is nothing to solve, or
 // where directions turn out to be right, or beams to be even.
-std::optional<JointLights> solved(const LightSample& sample, const Lighting& given, const LightModel& model,
-                                  const std::optional<JointLights>& from) {
-    if (model == LightModel{}) return {};
+std::optional<LightBundleAdjustment> solved(const LightSample& sample, const Lighting& given,
+                                            const LightingModel& model,
+                                            const std::optional<LightBundleAdjustment>& from) {
+    if (model == LightingModel{}) return {};
     std::vector<int> photos(given.lights.size());
     std::iota(photos.begin(), photos.end(), 0);
-    JointLights joint =
+    LightBundleAdjustment joint =
         from ? sample.joint_problem(photos, given, *from) : sample.joint_problem(photos, given);
     const JointStart start = from ? JointStart::near : JointStart::far;
     if (joint.pixels.empty() || !joint.solve(freedom_of(model), start)) return {};
@@ -151,16 +153,16 @@ struct FoldResult {
 };
 
 // The photographs of one trial, predicted from all others. `all` is the solution with all photographs: where
-// to start, so that the trial's own solution is a few steps away. Lamps are located with the gains of
+// to start, so that the trial's own solution is a few steps away. Lights are located with the gains of
 // `model`, and with directions and beams if it has own ones.
-FoldResult left_out(const LightSample& sample, const Lighting& given, const LightModel& model,
-                    const std::optional<JointLights>& all, const LeftOutPhotos& out, int trial) {
+FoldResult validation(const LightSample& sample, const Lighting& given, const LightingModel& model,
+                      const std::optional<LightBundleAdjustment>& all, const RejectedPhotos& out, int trial) {
     std::vector<int> used, left;
     for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
         (out.has(i, trial) ? left : used).push_back(i);
     LightCalibration c{.lighting = subset(given, used)};
     if (all) {
-        JointLights joint = sample.joint_problem(used, c.lighting, *all);
+        LightBundleAdjustment joint = sample.joint_problem(used, c.lighting, *all);
         if (joint.solve(freedom_of(model), JointStart::near))
             c = calibration_of(sample, joint, c.lighting, model);
     }
@@ -174,8 +176,8 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
         light.direction = corrected_direction(c, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         place(light, one.rig);
-        if (c.lamps)
-            light.gain *= static_cast<float>(predicted_gain(*c.lamps, c.lighting.lights, light.direction));
+        if (c.lights)
+            light.gain *= static_cast<float>(predicted_gain(*c.lights, c.lighting.lights, light.direction));
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
         result.photos_db.push_back(
             sample.psnr_db(sample.squared_errors(estimates, i, one), given.white_level));
@@ -187,7 +189,7 @@ FoldResult left_out(const LightSample& sample, const Lighting& given, const Ligh
     return result;
 }
 
-// [dB] The median by which `a` exceeds `b`, as one photograph whose lamp moved is no reason for or against,
+// [dB] The median by which `a` exceeds `b`, as one photograph whose light moved is no reason for or against,
 // and its standard error (that of a median of normal values; their spread by the median absolute deviation).
 struct MedianGain {
     double median_db, sigma_db;
@@ -200,8 +202,8 @@ MedianGain gain(const std::vector<double>& a, const std::vector<double>& b) {
     return {middle, 1.2533 * 1.4826 * median(std::move(gained)) / std::sqrt(count)};
 }
 
-void add_errors(const JointLights& solution, double width_mm, LightCalibration& c) {
-    const JointLights::Errors errors = solution.errors(freedom_of(c.model));
+void add_errors(const LightBundleAdjustment& solution, double width_mm, LightCalibration& c) {
+    const LightBundleAdjustment::Errors errors = solution.errors(freedom_of(c.model));
     for (std::size_t i = 0; i < errors.direction_deg.size(); ++i)
         c.turns[i].sigma_deg = errors.direction_deg[i];
     for (std::size_t i = 0; i < errors.beams.size(); ++i) c.unevenness[i].sigma = errors.beams[i];
@@ -211,21 +213,21 @@ void add_errors(const JointLights& solution, double width_mm, LightCalibration& 
         c.gain_sigma[i] = std::hypot(c.gain_sigma[i], kTilt * std::hypot(l.x, l.y) / std::max(l.z, 0.05f));
     }
     if (!errors.rig) return;
-    const auto relative = [](double sigma, double nearness) {
-        return nearness > kFar ? sigma / nearness : 0;
+    const auto relative = [](double sigma, double inverse_distance) {
+        return inverse_distance > kFar ? sigma / inverse_distance : 0;
     };
     c.rig_sigma = {errors.rig->ambient, errors.rig->roughness,
-                   relative(errors.rig->lamp_nearness, solution.rig.lamp_nearness),
-                   relative(errors.rig->camera_nearness, solution.rig.camera_nearness),
+                   relative(errors.rig->light_inverse_distance, solution.rig.light_inverse_distance),
+                   relative(errors.rig->camera_inverse_distance, solution.rig.camera_inverse_distance),
                    errors.rig->height * width_mm};
 }
 
 }  // namespace
 
 std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
-                              const std::vector<LightModel>& models, const LeftOutPhotos& out,
+                              const std::vector<LightingModel>& models, const RejectedPhotos& out,
                               const std::function<void()>& step_done,
-                              const std::optional<JointLights>& from) {
+                              const std::optional<LightBundleAdjustment>& from) {
     const int count = static_cast<int>(models.size());
     std::vector<TriedModel> result(models.size());
     parallel_for(0, count, 1, [&](int begin, int end) {
@@ -242,10 +244,10 @@ std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
         for (int task = begin; task < end; ++task) {
             step_done();
             const auto at = static_cast<std::size_t>(task / out.trials);
-            if (!result[at].solution && models[at] != LightModel{}) continue;
+            if (!result[at].solution && models[at] != LightingModel{}) continue;
             const int fold = task % out.trials;
             folds[at][static_cast<std::size_t>(fold)] =
-                left_out(sample, given, models[at], result[at].solution, out, fold);
+                validation(sample, given, models[at], result[at].solution, out, fold);
         }
     });
     for (std::size_t i = 0; i < models.size(); ++i) {
@@ -255,24 +257,25 @@ std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
             trial.located_db.insert(trial.located_db.end(), fold.located_db.begin(), fold.located_db.end());
             trial.pixels.add(fold.pixels);
         }
-        trial.left_out_db = mean_or_zero(trial.photos_db);
+        trial.cv_psnr_db = mean_or_zero(trial.photos_db);
     }
     return result;
 }
 
-LightCalibration calibrated(const LightSample& sample, const JointLights& solution, const Lighting& given,
-                            const LightModel& model) {
+LightCalibration calibrated(const LightSample& sample, const LightBundleAdjustment& solution,
+                            const Lighting& given, const LightingModel& model) {
     LightCalibration c = calibration_of(sample, solution, given, model);
     add_errors(solution, sample.width_mm(), c);
     return c;
 }
 
-JointLights solved_finer(const LightSample& fine, const JointLights& solution, const Lighting& given,
-                         const LightModel& model) {
+LightBundleAdjustment solved_finer(const LightSample& fine, const LightBundleAdjustment& solution,
+                                   const Lighting& given, const LightingModel& model) {
     std::vector<int> photos(given.lights.size());
     std::iota(photos.begin(), photos.end(), 0);
     const LightCalibration coarse = calibration_of(fine, solution, given, model);
-    JointLights joint = fine.joint_problem(photos, given, solution, fine.fit(photos, coarse.lighting));
+    LightBundleAdjustment joint =
+        fine.joint_problem(photos, given, solution, fine.fit(photos, coarse.lighting));
     const bool better = !joint.pixels.empty() && joint.solve(freedom_of(model), JointStart::there);
     return better ? joint : solution;
 }
@@ -288,15 +291,15 @@ bool explains_better(const LightCalibration::Trial& a, const LightCalibration::T
            part > (turned ? kPixelsOfTurned : kMostPixels);
 }
 
-bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db) {
+bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double min_gain_db) {
     const MedianGain predicted = gain(a.photos_db, b.photos_db);
-    // Turns, of a smooth field or each lamp's own, take up what the model leaves out.
+    // Turns, of a smooth field or each light's own, take up what the model leaves out.
     const bool turned = a.model.directions != b.model.directions;
     const double part = a.pixels.part_better_than(b.pixels);
-    if (predicted.median_db - (turned ? 2 : 1) * predicted.sigma_db > worth_db &&
+    if (predicted.median_db - (turned ? 2 : 1) * predicted.sigma_db > min_gain_db &&
         part > (turned ? kPixelsOfTurned : kMostPixels))
         return true;
-    if (a.model.lamps == LightFreedom::rig && !turned)
+    if (a.model.lights == LightFreedom::rig && !turned)
         return part > kRigWorth.part && a.pixels.median_gain_db(b.pixels) > kRigWorth.db;
     return a.model.directions == DirectionFreedom::own &&
            explains_better(a, b, kOwnWorth_db, std::numeric_limits<double>::infinity(), kOwnWorth);

@@ -1,5 +1,5 @@
-// light_model_selection.h: one way to explain a stack's photographs by its lamps, solved with all of them,
-// and how it predicts those that are left out: what light calibration chooses by.
+// light_model_selection.h: one way to explain a stack's photographs by its lights, solved with all of them,
+// and how it predicts those that are rejected: what light calibration chooses by.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 namespace tangi {
 
 // Each model is tried with some photographs left out at a time.
-struct LeftOutPhotos {
+struct RejectedPhotos {
     int trials;
     int step;  // in each trial every photograph of so many
 
@@ -21,40 +21,41 @@ struct LeftOutPhotos {
 
 // A model, solved with all photographs, and how it predicts those left out.
 struct TriedModel {
-    std::optional<JointLights> solution;  // none where there is nothing to solve, or nothing was found
+    std::optional<LightBundleAdjustment>
+        solution;  // none where there is nothing to solve, or nothing was found
     LightCalibration::Trial trial;
 };
 
 // All photographs of a stack, for which lights are given. `from`: a solution with even beams to start from,
 // where there is one. `step_done` is called 1 + out.trials times a model, from any thread.
 std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
-                              const std::vector<LightModel>& models, const LeftOutPhotos& out,
+                              const std::vector<LightingModel>& models, const RejectedPhotos& out,
                               const std::function<void()>& step_done,
-                              const std::optional<JointLights>& from = {});
+                              const std::optional<LightBundleAdjustment>& from = {});
 
 // The lighting that a solved joint problem means, with standard errors.
-LightCalibration calibrated(const LightSample& sample, const JointLights& solution, const Lighting& given,
-                            const LightModel& model);
+LightCalibration calibrated(const LightSample& sample, const LightBundleAdjustment& solution,
+                            const Lighting& given, const LightingModel& model);
 
 // A solution, solved again with the pixels of a finer sample: what was chosen by few pixels is the better
 // known by more. The solution itself where that fails.
-JointLights solved_finer(const LightSample& fine, const JointLights& solution, const Lighting& given,
-                         const LightModel& model);
+LightBundleAdjustment solved_finer(const LightSample& fine, const LightBundleAdjustment& solution,
+                                   const Lighting& given, const LightingModel& model);
 
 // So many pixels [1], and what the median one gains [dB].
 struct PixelWorth {
     double part = 1, db = 0;
 };
 
-// Whether `a`, which gives each lamp something of its own that those left out don't share in, explains
-// photographs better than `b` once their lamps are located, and predicts them no worse than by `loss_db`, or
+// Whether `a`, which gives each light something of its own that those left out don't share in, explains
+// photographs better than `b` once their lights are located, and predicts them no worse than by `loss_db`, or
 // than chance does; or explains that many pixels better.
 bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
                      double loss_db, const PixelWorth& of_pixels = {});
 
 // Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
-// Where listed directions are far off, so is that of the lamp that was left out: predictions are then poor
+// Where listed directions are far off, so is that of the light that was rejected: predictions are then poor
 // with any surface, and only a sure loss speaks against a better one.
-bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double worth_db);
+bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double min_gain_db);
 
 }  // namespace tangi

@@ -1,4 +1,4 @@
-// light_priors.h: what the joint problem of pixels, lamps and rig takes for likely before any photograph, as
+// light_priors.h: what the joint problem of pixels, lights and rig takes for likely before any photograph, as
 // cost functions.
 #pragma once
 
@@ -80,7 +80,7 @@ private:
     double weight_;
 };
 
-// A lamp's own turn: what the smooth field (its `modes` at the lamp, by their coefficients) leaves of it.
+// A light's own turn: what the smooth field (its `modes` at the light, by their coefficients) leaves of it.
 class TurnPrior final : public ceres::CostFunction {
 public:
     TurnPrior(std::vector<glm::dvec2> modes, double weight) : modes_(std::move(modes)), weight_(weight) {
@@ -107,7 +107,7 @@ private:
 };
 
 // Keeps at zero what all turns together have of the motions that photographs cannot tell: `untold` of each
-// lamp (DirectionField::untold).
+// light (DirectionField::untold).
 class MotionPrior final : public ceres::CostFunction {
 public:
     explicit MotionPrior(std::vector<std::vector<glm::dvec2>> untold) : untold_(std::move(untold)) {
@@ -117,13 +117,13 @@ public:
     bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
         const double weight = kExactly / static_cast<double>(untold_.size());
         std::fill(residuals, residuals + num_residuals(), 0);
-        for (std::size_t lamp = 0; lamp < untold_.size(); ++lamp)
-            for (std::size_t m = 0; m < untold_[lamp].size(); ++m)
+        for (std::size_t light = 0; light < untold_.size(); ++light)
+            for (std::size_t m = 0; m < untold_[light].size(); ++m)
                 for (int i = 0; i < kJointTurn; ++i) {
-                    const double by = weight * untold_[lamp][m][i];
-                    residuals[m] += by * parameters[lamp][i];
-                    if (jacobians && jacobians[lamp])
-                        jacobians[lamp][m * kJointTurn + static_cast<std::size_t>(i)] = by;
+                    const double by = weight * untold_[light][m][i];
+                    residuals[m] += by * parameters[light][i];
+                    if (jacobians && jacobians[light])
+                        jacobians[light][m * kJointTurn + static_cast<std::size_t>(i)] = by;
                 }
         return true;
     }

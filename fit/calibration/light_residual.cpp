@@ -12,7 +12,7 @@ using glm::dvec3;
 
 namespace {
 
-// What a sample shows of the light that a unit lamp sends to its pixel, and its derivatives.
+// What a sample shows of the light that a unit light sends to its pixel, and its derivatives.
 struct Reflected {
     double n_l = 0, n_v = 0, lobe = 0;                     // lobe is pi times surface/reflectance/ward.h's
     double lobe_h_n = 0, lobe_h_h = 0, lobe_ln_alpha = 0;  // d lobe by h.n, h.h, ln alpha
@@ -43,7 +43,7 @@ dvec3 across(const dvec3& unit, const dvec3& da) { return da - unit * glm::dot(u
 bool JointResidual::Evaluate(const double* const* parameters, double* residual, double** jacobians) const {
     const double *pixel = parameters[0], *rig = parameters[2];
     const double p = pixel[0], q = pixel[1], rho_s = pixel[3], rho_d = pixel[4];
-    const double nearness = rig[0] * s_.nearer, ambient = rig[1], camera = rig[2], bend = rig[3],
+    const double inverse_distance = rig[0] * s_.nearer, ambient = rig[1], camera = rig[2], bend = rig[3],
                  roughness = rig[4];
     const dvec3 x(s_.position, 0), from_axis(s_.position - s_.camera_axis, 0);
 
@@ -56,14 +56,14 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
     const auto turning = [&](const dvec3& d) {
         return dvec3(s_.position * d.z, -glm::dot(s_.position, glm::dvec2(d)));
     };
-    const dvec3 from_centre = direction - dvec3(0, 0, nearness * rig[5]);
+    const dvec3 from_centre = direction - dvec3(0, 0, inverse_distance * rig[5]);
     const double centre_distance = glm::length(from_centre);
     const dvec3 straight = from_centre / centre_distance;
     const dvec3 turn = turning(straight);
     const dvec3 bent = straight + bend * turn;
     const double bent_length = glm::length(bent);
     const dvec3 e = bent / bent_length;
-    const dvec3 u = centre_distance * e - nearness * x;
+    const dvec3 u = centre_distance * e - inverse_distance * x;
     const double distance2 = glm::dot(u, u), distance = std::sqrt(distance2);
     const dvec3 l = u / distance;
     const dvec3 sight = dvec3(0, 0, 1) - camera * from_axis;
@@ -121,7 +121,7 @@ bool JointResidual::Evaluate(const double* const* parameters, double* residual, 
         by[2] = scale * (by_n_v * glm::dot(n, dv) + by_l_v * glm::dot(l, dv));
         by[3] = along(centre_distance * across(e, turn) / bent_length);
         by[4] = scale * rho_d * r.matt.by_sigma;
-        by[5] = along(of_centre(dvec3(0, 0, -nearness)));
+        by[5] = along(of_centre(dvec3(0, 0, -inverse_distance)));
     }
     return true;
 }

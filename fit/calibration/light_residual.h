@@ -1,16 +1,16 @@
-// light_residual.h: one grey sample of one photograph as a residual of pixel, lamp and rig, with analytic
+// light_residual.h: one grey sample of one photograph as a residual of pixel, light and rig, with analytic
 // derivatives.
 //
-// Lengths are in picture widths, positions from the picture's centre. With d the lamp's given direction, s
+// Lengths are in picture widths, positions from the picture's centre. With d the light's given direction, s
 // how much nearer it is than the others, t its turn (light_direction_field.h), x the pixel's position, a that
-// of the camera, the rig's bend b, the lamps' nearness m, the camera's nearness c and the height h of the
+// of the camera, the rig's bend b, the lights' nearness m, the camera's nearness c and the height h of the
 // surface:
 //   d' = d + t.x a + t.y b, unit
 //   q  = d' - m s (0, 0, h)                                               from the centre of the surface
-//   e  = q turned by b x (first order), as long;   u = e - m s (x, 0)     towards the lamp
+//   e  = q turned by b x (first order), as long;   u = e - m s (x, 0)     towards the light
 //   l  = u / |u|;   v = unit of (c (a - x), 1)                            towards the camera
 //   model = exp(g + f(x)) / |u|^2 (rho_d (D + k) + rho_s pi lobe(alpha) max(n.l, 0))
-// with g the lamp's ln gain, f its beam (beam_terms()), k the ambient light, the bounded lobe of
+// with g the light's ln gain, f its beam (beam_terms()), k the ambient light, the bounded lobe of
 // surface/reflectance/ward.h and D the diffuse reflection of surface/reflectance/oren_nayar.h: max(n.l, 0)
 // where the diffuse roughness is 0. Residual (model - value) / sigma.
 #pragma once
@@ -26,8 +26,8 @@
 namespace tangi {
 
 constexpr int kJointPixel = 5;  // slope x, slope y, ln alpha, rho_s, rho_d
-constexpr int kJointRig = 6;    // lamp nearness, ambient, camera nearness, bend, diffuse roughness, height
-constexpr int kJointTurn = 2;   // x and y of the turn of the lamp's direction
+constexpr int kJointRig = 6;    // light nearness, ambient, camera nearness, bend, diffuse roughness, height
+constexpr int kJointTurn = 2;   // x and y of the turn of the light's direction
 constexpr int kJointBeam = 5;   // of its beam
 
 // Of surface/maps/light.h's Beam, in half widths: what the five parameters are multiplied by, so that each is
@@ -42,7 +42,7 @@ struct JointSample {
     double nearer = 1;              // s
     glm::dvec2 position{0};         // x
     glm::dvec2 camera_axis{0};      // a
-    double value = 0;               // [1] linear, of a lamp of gain 1 and white level 1
+    double value = 0;               // [1] linear, of a light of gain 1 and white level 1
     double sigma = 1;               // [1] > 0
 };
 

@@ -75,11 +75,11 @@ void LightSample::gather(int k, const std::vector<int>& photos, const Lighting& 
     }
 }
 
-std::vector<Rgb> LightSample::lobe_colours(const std::vector<WardEstimate>& estimates,
-                                           const std::vector<int>& photos, const Lighting& lighting,
-                                           const ReflectanceLaw& law) const {
+std::vector<Rgb> LightSample::specular_colours(const std::vector<WardEstimate>& estimates,
+                                               const std::vector<int>& photos, const Lighting& lighting,
+                                               const ReflectanceModel& reflectance_model) const {
     WardFitOptions options = ward_;
-    options.law = law;
+    options.reflectance_model = reflectance_model;
     std::vector<Rgb> colours(static_cast<std::size_t>(size()), Rgb(1));
     parallel_for(0, size(), 4 * kWardLanes, [&](int begin, int end) {
         PixelSamples samples;
@@ -87,7 +87,7 @@ std::vector<Rgb> LightSample::lobe_colours(const std::vector<WardEstimate>& esti
             const auto at = static_cast<std::size_t>(k);
             if (!estimates[at].valid) continue;
             gather(k, photos, lighting, samples);
-            colours[at] = lobe_colour_of(lobe_evidence(samples, estimates[at], options));
+            colours[at] = specular_colour_of(lobe_evidence(samples, estimates[at], options));
         }
     });
     return colours;
@@ -95,9 +95,9 @@ std::vector<Rgb> LightSample::lobe_colours(const std::vector<WardEstimate>& esti
 
 std::vector<Stretch> LightSample::stretches(const std::vector<WardEstimate>& estimates,
                                             const std::vector<int>& photos, const Lighting& lighting,
-                                            const ReflectanceLaw& law) const {
+                                            const ReflectanceModel& reflectance_model) const {
     WardFitOptions options = ward_;
-    options.law = law;
+    options.reflectance_model = reflectance_model;
     std::vector<Stretch> stretches(static_cast<std::size_t>(size()), Stretch(0));
     parallel_for(0, size(), kWardLanes, [&](int begin, int end) {
         PixelSamples samples;
@@ -112,10 +112,11 @@ std::vector<Stretch> LightSample::stretches(const std::vector<WardEstimate>& est
 }
 
 std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const Lighting& lighting,
-                                           const ReflectanceLaw& law, const std::vector<Rgb>& lobe_colours,
+                                           const ReflectanceModel& reflectance_model,
+                                           const std::vector<Rgb>& specular_colours,
                                            const std::vector<Stretch>& stretches) const {
     WardFitOptions options = ward_;
-    options.law = law;
+    options.reflectance_model = reflectance_model;
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
     struct Fitters {
         explicit Fitters(const WardFitOptions& options) : batches(options), ceres(options) {}
@@ -127,7 +128,8 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
     oneapi::tbb::enumerable_thread_specific<Fitters> all([&] { return Fitters(options); });
     const auto gather_white = [&](int k, PixelSamples& samples) {
         gather(k, photos, lighting, samples);
-        if (!lobe_colours.empty()) whiten(lobe_colours[static_cast<std::size_t>(k)], samples);
+        if (!specular_colours.empty())
+            divide_by_specular_colour(specular_colours[static_cast<std::size_t>(k)], samples);
     };
     const auto prior_of = [&](int k) {
         WardPrior prior = options.prior;
@@ -158,15 +160,16 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
                 if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
                     estimate = other;
             }
-            if (!lobe_colours.empty())
-                estimate = coloured(estimate, lobe_colours[static_cast<std::size_t>(k)]);
+            if (!specular_colours.empty())
+                estimate = coloured(estimate, specular_colours[static_cast<std::size_t>(k)]);
         }
     });
     return estimates;
 }
 
 std::vector<double> LightSample::squared_errors(const std::vector<WardEstimate>& estimates, int photo,
-                                                const Lighting& lighting, const ReflectanceLaw& law) const {
+                                                const Lighting& lighting,
+                                                const ReflectanceModel& reflectance_model) const {
     const double white = transfer_.encode(static_cast<float>(lighting.white_level));
     const float clipped = transfer_.encode(noise_.clipped());
     std::vector<double> errors(static_cast<std::size_t>(size()), std::numeric_limits<double>::quiet_NaN());
@@ -177,12 +180,12 @@ std::vector<double> LightSample::squared_errors(const std::vector<WardEstimate>&
         if (!e.valid || std::isnan(stored[0])) continue;  // outside a registered photograph
         illuminate(lighting, point_mm(k), survey_.channels, s);
         const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
-        const WardTerms t = ward_terms(theta, s.light[0], s.view, law, e.stretch);
+        const WardTerms t = ward_terms(theta, s.light[0], s.view, reflectance_model, e.stretch);
         double squares = 0;
         for (int c = 0; c < survey_.channels; ++c) {
             const double linear =
                 s.irradiance[static_cast<std::size_t>(c)] *
-                (e.diffuse[c] * (t.matt + s.ambient[0]) + e.specular * e.lobe_colour[c] * t.lobe);
+                (e.diffuse[c] * (t.matt + s.ambient[0]) + e.specular * e.specular_colour[c] * t.lobe);
             const float shown = transfer_.encode(std::min(static_cast<float>(linear), noise_.clipped()));
             squares += std::pow((shown - std::min(stored[c], clipped)) / white, 2);
         }
@@ -213,7 +216,8 @@ double LightSample::squared_noise(double white_level) const {
 }
 
 std::vector<float> LightSample::log_ratios(const std::vector<WardEstimate>& estimates, int photo,
-                                           const Lighting& lighting, const ReflectanceLaw& law) const {
+                                           const Lighting& lighting,
+                                           const ReflectanceModel& reflectance_model) const {
     constexpr double kDark = 0.02;  // [1] of the white level: noise, and shadows
     std::vector<float> ratios;
     PixelSamples s;
@@ -225,7 +229,7 @@ std::vector<float> LightSample::log_ratios(const std::vector<WardEstimate>& esti
         if (!e.valid || std::isnan(stored)) continue;
         illuminate(lighting, point_mm(k), survey_.channels, s);
         const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
-        const WardTerms t = ward_terms(theta, s.light[0], s.view, law);
+        const WardTerms t = ward_terms(theta, s.light[0], s.view, reflectance_model);
         const double predicted = s.irradiance[static_cast<std::size_t>(channel)] *
                                  (e.diffuse[channel] * (t.matt + s.ambient[0]) + e.specular * t.lobe);
         const double measured = transfer_.decode(stored), dark = kDark * lighting.white_level;

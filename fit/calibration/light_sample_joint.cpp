@@ -1,4 +1,4 @@
-// light_sample_joint.cpp: what a LightSample's photographs say of the lamps, as a joint problem.
+// light_sample_joint.cpp: what a LightSample's photographs say of the lights, as a joint problem.
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kModelError = 0.03;
 
-// `white` [1]: linear value of a matt white in the origin that faces the lamp. Grey is the mean of what
+// `white` [1]: linear value of a matt white in the origin that faces the light. Grey is the mean of what
 // channels are in units of their own white.
 void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, int pixel,
-                     JointLights& joint) {
+                     LightBundleAdjustment& joint) {
     double value = 0, variance = 0;
     for (int c = 0; c < s.channels; ++c) {
         const auto at = static_cast<std::size_t>(photo * s.channels + c);
@@ -26,17 +26,17 @@ void add_observation(const PixelSamples& s, int photo, const glm::dvec3& white, 
         // JPEG's noise is shared by the channels.
         variance += s.sigma[at] * s.sigma[at] / (white[c] * white[c]) / s.channels;
     }
-    const JointLights::Pixel& p = joint.pixels[static_cast<std::size_t>(pixel)];
+    const LightBundleAdjustment::Pixel& p = joint.pixels[static_cast<std::size_t>(pixel)];
     const glm::dvec3& l = s.light[static_cast<std::size_t>(photo)];
     const double n_l =
         std::max(l.z - p.slope.x * l.x - p.slope.y * l.y, 0.0) / std::sqrt(1 + glm::dot(p.slope, p.slope));
-    // A weak lamp's shadows would hardly be outliers if its error were that of one of usual strength.
+    // A weak light's shadows would hardly be outliers if its error were that of one of usual strength.
     const double strength = std::exp(joint.log_gains[static_cast<std::size_t>(photo)]);
     const double model_error = kModelError * std::max(strength * p.diffuse * n_l, value);
     joint.observations.push_back({pixel, photo, value, std::hypot(std::sqrt(variance), model_error)});
 }
 
-// A smooth field has said what it can of a single lamp.
+// A smooth field has said what it can of a single light.
 DirectionFreedom of_its_own(DirectionFreedom directions) {
     return directions == DirectionFreedom::smooth ? DirectionFreedom::listed : directions;
 }
@@ -58,7 +58,7 @@ std::array<double, 5> scaled_beam(const Beam& beam, double width_mm) {
 }
 
 void LightSample::add_pixel(int k, const WardEstimate& e, const std::vector<int>& photos,
-                            const Lighting& lighting, JointLights& joint) const {
+                            const Lighting& lighting, LightBundleAdjustment& joint) const {
     if (!e.valid) return;
     double diffuse = 0;
     for (int c = 0; c < survey_.channels; ++c) diffuse += e.diffuse[c] / survey_.channels;
@@ -72,14 +72,15 @@ void LightSample::add_pixel(int k, const WardEstimate& e, const std::vector<int>
     add_samples(k, photos, lighting, pixel, joint);
 }
 
-JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting) const {
-    JointLights joint;
+LightBundleAdjustment LightSample::joint_problem(const std::vector<int>& photos,
+                                                 const Lighting& lighting) const {
+    LightBundleAdjustment joint;
     describe(lighting, joint);
-    // In doubles, one pixel after the other: lamps whose strength is not known yet leave a pixel several
-    // minima, and with those that batches find, lamps sevenfold apart come out wrong.
+    // In doubles, one pixel after the other: lights whose strength is not known yet leave a pixel several
+    // minima, and with those that batches find, lights sevenfold apart come out wrong.
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
     WardFitOptions options = ward_;
-    options.by_highlight = false;  // what is poor here are the lamps
+    options.by_highlight = false;  // what is poor here are the lights
     oneapi::tbb::enumerable_thread_specific<WardFitter> fitters([&] { return WardFitter(options); });
     parallel_for(0, size(), 8, [&](int begin, int end) {
         PixelSamples samples;
@@ -95,7 +96,7 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
 
 Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int photo, const Lighting& lighting,
                               const JointFreedom& freedom) const {
-    JointLights joint;
+    LightBundleAdjustment joint;
     describe(lighting, joint);
     joint.rig.ambient = lighting.rig.ambient;
     joint.rig.bend = lighting.rig.bend_per_mm * width_mm_;
@@ -103,13 +104,13 @@ Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int ph
         if (!others_[static_cast<std::size_t>(k)])
             add_pixel(k, estimates[static_cast<std::size_t>(k)], {photo}, lighting, joint);
     Lighting result = lighting;
-    const JointFreedom of_lamp{.rig = false,
-                               .gains = freedom.gains,
-                               .directions = of_its_own(freedom.directions),
-                               .beams = freedom.beams,
-                               .pixels = false};
-    const bool fixed = !freedom.gains && !freedom.beams && of_lamp.directions == DirectionFreedom::listed;
-    if (fixed || joint.observations.empty() || !joint.solve(of_lamp, JointStart::far)) return result;
+    const JointFreedom of_light{.rig = false,
+                                .gains = freedom.gains,
+                                .directions = of_its_own(freedom.directions),
+                                .beams = freedom.beams,
+                                .pixels = false};
+    const bool fixed = !freedom.gains && !freedom.beams && of_light.directions == DirectionFreedom::listed;
+    if (fixed || joint.observations.empty() || !joint.solve(of_light, JointStart::far)) return result;
     Light& light = result.lights.front();
     light.gain *= static_cast<float>(std::exp(joint.log_gains.front()));
     light.direction = Vec3(turned(joint.directions.front(), joint.turns.front()));
@@ -118,9 +119,9 @@ Lighting LightSample::located(const std::vector<WardEstimate>& estimates, int ph
     return result;
 }
 
-JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting,
-                                       const JointLights& solved) const {
-    JointLights joint;
+LightBundleAdjustment LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                                                 const LightBundleAdjustment& solved) const {
+    LightBundleAdjustment joint;
     joint.pixels = solved.pixels;
     describe(lighting, joint);
     joint.rig = solved.rig;
@@ -136,30 +137,30 @@ JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lig
     return joint;
 }
 
-JointLights LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting,
-                                       const JointLights& lamps,
-                                       const std::vector<WardEstimate>& estimates) const {
-    JointLights joint;
+LightBundleAdjustment LightSample::joint_problem(const std::vector<int>& photos, const Lighting& lighting,
+                                                 const LightBundleAdjustment& lights,
+                                                 const std::vector<WardEstimate>& estimates) const {
+    LightBundleAdjustment joint;
     describe(lighting, joint);
-    joint.rig = lamps.rig;
-    joint.gain_scatter = lamps.gain_scatter;
-    joint.robust_scale = lamps.robust_scale;
-    joint.log_gains = lamps.log_gains;
-    joint.turns = lamps.turns;
-    joint.beams = lamps.beams;
+    joint.rig = lights.rig;
+    joint.gain_scatter = lights.gain_scatter;
+    joint.robust_scale = lights.robust_scale;
+    joint.log_gains = lights.log_gains;
+    joint.turns = lights.turns;
+    joint.beams = lights.beams;
     for (int k = 0; k < size(); ++k)
         add_pixel(k, estimates[static_cast<std::size_t>(k)], photos, lighting, joint);
     return joint;
 }
 
-// What is given of the lamps and the camera.
-void LightSample::describe(const Lighting& lighting, JointLights& joint) const {
-    joint.lamps_known = !lighting.lights.empty() &&
-                        std::all_of(lighting.lights.begin(), lighting.lights.end(),
-                                    [](const Light& light) { return light.position_mm.has_value(); });
+// What is given of the lights and the camera.
+void LightSample::describe(const Lighting& lighting, LightBundleAdjustment& joint) const {
+    joint.lights_known = !lighting.lights.empty() &&
+                         std::all_of(lighting.lights.begin(), lighting.lights.end(),
+                                     [](const Light& light) { return light.position_mm.has_value(); });
     for (const Light& light : lighting.lights) {
         joint.directions.emplace_back(light.direction);
-        joint.nearer.push_back(joint.lamps_known ? width_mm_ / glm::length(*light.position_mm) : 1);
+        joint.nearer.push_back(joint.lights_known ? width_mm_ / glm::length(*light.position_mm) : 1);
         joint.log_gains.push_back(0);
         joint.turns.emplace_back(0);
         joint.beams.push_back(scaled_beam(light.beam, width_mm_));
@@ -167,16 +168,16 @@ void LightSample::describe(const Lighting& lighting, JointLights& joint) const {
     joint.direction_sigma.assign(lighting.lights.size(), 0);
     for (std::size_t i = 0; i < lighting.direction_sigma_deg.size(); ++i)
         joint.direction_sigma[i] = lighting.direction_sigma_deg[i] * std::numbers::pi / 180;
-    if (joint.lamps_known) joint.rig.lamp_nearness = 1;
+    if (joint.lights_known) joint.rig.light_inverse_distance = 1;
     if (lighting.rig.camera_distance_mm) {
         joint.camera_known = true;
-        joint.rig.camera_nearness = width_mm_ / *lighting.rig.camera_distance_mm;
+        joint.rig.camera_inverse_distance = width_mm_ / *lighting.rig.camera_distance_mm;
         joint.camera_axis = glm::dvec2(lighting.rig.camera_axis_mm) / width_mm_;
     }
 }
 
 void LightSample::add_samples(int k, const std::vector<int>& photos, const Lighting& lighting, int pixel,
-                              JointLights& joint) const {
+                              LightBundleAdjustment& joint) const {
     PixelSamples s;
     gather(k, photos, lighting, s);
     for (int i = 0; i < s.photos(); ++i) {

@@ -13,19 +13,19 @@ namespace tangi {
 
 namespace {
 
-constexpr std::size_t kFewestForLaw = 12;
+constexpr std::size_t kFewestForModel = 12;
 constexpr std::size_t kFewestTypical = 100;  // [pixels] with a lobe
 constexpr int kFolds = 4;                    // trials, each with every fourth photograph left out
 constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
 // [sigma] Most varnish and oil paint has haze, all else is rarer.
 constexpr double kSureOfHaze = 1, kSureOfRarer = 2;
-// Haze must predict most of the pixels better: it also stands in for lobes that are drawn out (half
-// brushed metal, half paint without haze: 0.3, 0.06 where single pixels tell how they are drawn out; impasto,
-// whose paint is hazy: 0.78 and 0.76). Rough reflection need not: of coin it serves the relief only, 0.43 of
-// the pixels, but held-out photographs gain 2 dB by it.
+// Haze must predict most of the pixels better: it also stands in for lobes that are anisotropic (half
+// brushed metal, half paint without haze: 0.3, 0.06 where single pixels tell how they are anisotropic;
+// impasto, whose paint is hazy: 0.78 and 0.76). Rough reflection need not: of coin it serves the relief only,
+// 0.43 of the pixels, but held-out photographs gain 2 dB by it.
 constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
-constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lamps, what gains less is left as it is
+constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lights, what gains less is left as it is
 // [dB] Diffuse roughness is rarer than haze, and a little of it also takes up what one pixel's lobe leaves
 // open, which the second pass of the fit knows better: impasto, whose paint is Lambert's, gains 0.37, with
 // which its height is off by 0.045 mm instead of 0.034.
@@ -40,8 +40,9 @@ Lighting lights_alone(const Lighting& lighting, const std::vector<int>& photos) 
 
 // The sample with lobes that are, before any photograph, as wide as its own are on the whole under this law.
 // What a pixel's few lights leave open is the prior's: where that is narrower than the paint's lobes are,
-// haze would stand in for it (generated Ward lobes of 0.32 under 12 lamps, prior 0.2: 0.85).
-LightSample of_typical_lobes(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law) {
+// haze would stand in for it (generated Ward lobes of 0.32 under 12 lights, prior 0.2: 0.85).
+LightSample of_typical_lobes(const LightSample& sample, const Lighting& lighting,
+                             const ReflectanceModel& reflectance_model) {
     constexpr int kSteps = 2;            // what is found is drawn to where it starts
     constexpr double kSeenSpecular = 2;  // [sigma] of rho_s from which on there is a lobe
     std::vector<int> all(lighting.lights.size());
@@ -50,7 +51,7 @@ LightSample of_typical_lobes(const LightSample& sample, const Lighting& lighting
     const auto as_now = [&] { return typical ? sample.with_ln_alpha(*typical) : sample; };
     for (int step = 0; step < kSteps; ++step) {
         std::vector<double> widths;
-        for (const WardEstimate& e : as_now().fit(all, lighting, law))
+        for (const WardEstimate& e : as_now().fit(all, lighting, reflectance_model))
             if (e.valid && e.specular > kSeenSpecular * e.specular_error)
                 widths.push_back(std::log(e.roughness));
         if (widths.size() < kFewestTypical) break;
@@ -64,8 +65,9 @@ struct Prediction {
     std::vector<double> db;  // of each photograph
     PixelScores pixels;
 };
-Prediction left_out(const LightSample& any, const Lighting& lighting, const ReflectanceLaw& law) {
-    const LightSample sample = of_typical_lobes(any, lighting, law);
+Prediction validation(const LightSample& any, const Lighting& lighting,
+                      const ReflectanceModel& reflectance_model) {
+    const LightSample sample = of_typical_lobes(any, lighting, reflectance_model);
     const int photos = static_cast<int>(lighting.lights.size());
     const double noise = sample.squared_noise(lighting.white_level);
     Prediction result;
@@ -74,9 +76,11 @@ Prediction left_out(const LightSample& any, const Lighting& lighting, const Refl
         std::vector<int> used;
         for (int i = 0; i < photos; ++i)
             if (i % kFolds != fold) used.push_back(i);
-        const std::vector<WardEstimate> estimates = sample.fit(used, lights_alone(lighting, used), law);
+        const std::vector<WardEstimate> estimates =
+            sample.fit(used, lights_alone(lighting, used), reflectance_model);
         for (int i = fold; i < photos; i += kFolds) {
-            const auto errors = sample.squared_errors(estimates, i, lights_alone(lighting, {i}), law);
+            const auto errors =
+                sample.squared_errors(estimates, i, lights_alone(lighting, {i}), reflectance_model);
             result.db[static_cast<std::size_t>(i)] = sample.psnr_db(errors, lighting.white_level);
             result.pixels.add(errors, noise);
         }
@@ -149,8 +153,8 @@ struct LobeFits {
 // Photographs left out in turn; in each turn, at the pixels that the others mark. `fit` gives fits of these
 // photographs.
 template <class Fit>
-LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law,
-                    const Fit& fit) {
+LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting,
+                    const ReflectanceModel& reflectance_model, const Fit& fit) {
     const int photos = static_cast<int>(lighting.lights.size());
     const double noise = sample.squared_noise(lighting.white_level);
     LobeTrial trial;
@@ -161,9 +165,9 @@ LobeTrial try_lobes(const LightSample& sample, const Lighting& lighting, const R
         const LobeFits fits = fit(used, lights_alone(lighting, used));
         trial.part += fits.part() / kFolds;
         for (int i = fold; i < photos && !fits.known.empty(); i += kFolds) {
-            const Lighting lamp = lights_alone(lighting, {i});
-            const auto plain = sample.squared_errors(fits.plain, i, lamp, law),
-                       known = sample.squared_errors(fits.known, i, lamp, law);
+            const Lighting light = lights_alone(lighting, {i});
+            const auto plain = sample.squared_errors(fits.plain, i, light, reflectance_model),
+                       known = sample.squared_errors(fits.known, i, light, reflectance_model);
             trial.plain_db.push_back(sample.psnr_db(plain, lighting.white_level, fits.marked));
             trial.known_db.push_back(sample.psnr_db(known, lighting.white_level, fits.marked));
             trial.whole_db.push_back(sample.psnr_db(known, lighting.white_level));
@@ -189,32 +193,33 @@ LobeVerdict verdict_of(const LightSample& sample, const Lighting& lighting, cons
 
 }  // namespace
 
-LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress,
-                     const std::optional<double>& diffuse_roughness) {
-    LawChoice choice;
-    choice.law.diffuse_roughness = diffuse_roughness.value_or(0);
-    if (lighting.lights.size() < kFewestForLaw) return choice;
+ReflectanceModelSelection select_reflectance_model(const LightSample& sample, const Lighting& lighting,
+                                                   const Progress& progress,
+                                                   const std::optional<double>& diffuse_roughness) {
+    ReflectanceModelSelection choice;
+    choice.reflectance_model.diffuse_roughness = diffuse_roughness.value_or(0);
+    if (lighting.lights.size() < kFewestForModel) return choice;
     const WithNoise with_noise{sample, lighting};
-    const auto attempt = [&](const ReflectanceLaw& law) {
+    const auto attempt = [&](const ReflectanceModel& reflectance_model) {
         report(progress, "reflectance", static_cast<double>(choice.trials.size()) / kTrials);
-        Prediction prediction = left_out(sample, lighting, law);
-        choice.trials.push_back({law, mean(prediction.db)});
+        Prediction prediction = validation(sample, lighting, reflectance_model);
+        choice.trials.push_back({reflectance_model, mean(prediction.db)});
         for (double& value : prediction.db) value = with_noise(value);
         return prediction;
     };
-    Prediction best = attempt(choice.law);
+    Prediction best = attempt(choice.reflectance_model);
     // Along one number of the law: upwards as long as photographs are predicted better. Of those tried, the
     // least that is not worse for sure: beyond it chance decides, and it would for another sample of pixels
     // otherwise (one-standard-error rule: Breiman, Friedman, Olshen, Stone 1984, ch. 3).
-    const auto search = [&](double ReflectanceLaw::*number, const auto& values, double sigmas, double worth,
+    const auto search = [&](double ReflectanceModel::*number, const auto& values, double sigmas, double worth,
                             double pixels) {
-        std::vector<std::pair<ReflectanceLaw, Prediction>> tried;
-        ReflectanceLaw law = choice.law;
+        std::vector<std::pair<ReflectanceModel, Prediction>> tried;
+        ReflectanceModel reflectance_model = choice.reflectance_model;
         for (const double value : values) {
-            law.*number = value;
-            Prediction prediction = attempt(law);
+            reflectance_model.*number = value;
+            Prediction prediction = attempt(reflectance_model);
             if (mean(prediction.db) <= mean((tried.empty() ? best : tried.back().second).db)) break;
-            tried.emplace_back(law, std::move(prediction));
+            tried.emplace_back(reflectance_model, std::move(prediction));
         }
         if (tried.empty() || !is_surely_better(tried.back().second.db, best.db, sigmas, worth) ||
             tried.back().second.pixels.part_better_than(best.pixels) <= pixels)
@@ -224,29 +229,33 @@ LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const 
             return gain.mean <= gain.sigma;
         });
         best = std::move(least->second);
-        choice.law = least->first;
+        choice.reflectance_model = least->first;
     };
-    search(&ReflectanceLaw::haze, kHazes, kSureOfHaze, kWorth, kMostPixels);
+    search(&ReflectanceModel::haze, kHazes, kSureOfHaze, kWorth, kMostPixels);
     if (!diffuse_roughness)
-        search(&ReflectanceLaw::diffuse_roughness, kRoughnesses, kSureOfRarer, kWorthOfRoughness, 0);
+        search(&ReflectanceModel::diffuse_roughness, kRoughnesses, kSureOfRarer, kWorthOfRoughness, 0);
     report(progress, "reflectance", 1);
     return choice;
 }
 
-LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
-                                       const ReflectanceLaw& law, bool drawn_out) {
-    if (lighting.lights.size() < kFewestForLaw) return {};
-    const LobeTrial trial =
-        try_lobes(sample, lighting, law, [&](const std::vector<int>& used, const Lighting& lamps) {
-            LobeFits fits{.plain = sample.fit(used, lamps, law), .known = {}, .marked = {}};
+ReflectanceModelSelection::Colours choose_specular_colours(const LightSample& sample,
+                                                           const Lighting& lighting,
+                                                           const ReflectanceModel& reflectance_model,
+                                                           bool anisotropic) {
+    if (lighting.lights.size() < kFewestForModel) return {};
+    const LobeTrial trial = try_lobes(
+        sample, lighting, reflectance_model, [&](const std::vector<int>& used, const Lighting& lights) {
+            LobeFits fits{.plain = sample.fit(used, lights, reflectance_model), .known = {}, .marked = {}};
             std::vector<Stretch> stretches;
-            if (drawn_out) {
-                stretches = sample.stretches(fits.plain, used, lamps, law);
-                fits.plain = sample.fit(used, lamps, law, {}, stretches);
+            if (anisotropic) {
+                stretches = sample.stretches(fits.plain, used, lights, reflectance_model);
+                fits.plain = sample.fit(used, lights, reflectance_model, {}, stretches);
             }
-            const std::vector<Rgb> found = sample.lobe_colours(fits.plain, used, lamps, law);
+            const std::vector<Rgb> found =
+                sample.specular_colours(fits.plain, used, lights, reflectance_model);
             fits.mark(found, Rgb(1));
-            if (fits.part() >= kFewestMarked) fits.known = sample.fit(used, lamps, law, found, stretches);
+            if (fits.part() >= kFewestMarked)
+                fits.known = sample.fit(used, lights, reflectance_model, found, stretches);
             return fits;
         });
     const LobeVerdict verdict = verdict_of(sample, lighting, trial);
@@ -258,63 +267,67 @@ LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting
 
 namespace {
 
-LobeTrial try_stretches(const LightSample& sample, const Lighting& lighting, const ReflectanceLaw& law) {
-    return try_lobes(sample, lighting, law, [&](const std::vector<int>& used, const Lighting& lamps) {
-        LobeFits fits{.plain = sample.fit(used, lamps, law), .known = {}, .marked = {}};
-        const std::vector<Stretch> found = sample.stretches(fits.plain, used, lamps, law);
-        fits.mark(found, Stretch(0));
-        if (fits.part() >= kFewestMarked) fits.known = sample.fit(used, lamps, law, {}, found);
-        return fits;
-    });
+LobeTrial try_stretches(const LightSample& sample, const Lighting& lighting,
+                        const ReflectanceModel& reflectance_model) {
+    return try_lobes(
+        sample, lighting, reflectance_model, [&](const std::vector<int>& used, const Lighting& lights) {
+            LobeFits fits{.plain = sample.fit(used, lights, reflectance_model), .known = {}, .marked = {}};
+            const std::vector<Stretch> found = sample.stretches(fits.plain, used, lights, reflectance_model);
+            fits.mark(found, Stretch(0));
+            if (fits.part() >= kFewestMarked)
+                fits.known = sample.fit(used, lights, reflectance_model, {}, found);
+            return fits;
+        });
 }
 
-LawChoice::Stretches summary_of(const LightSample& sample, const Lighting& lighting, const LobeTrial& trial) {
+ReflectanceModelSelection::Stretches summary_of(const LightSample& sample, const Lighting& lighting,
+                                                const LobeTrial& trial) {
     const LobeVerdict verdict = verdict_of(sample, lighting, trial);
     return {.chosen = verdict.chosen,
             .part = verdict.part,
             .isotropic_db = verdict.plain_db,
-            .drawn_out_db = verdict.known_db};
+            .anisotropic_db = verdict.known_db};
 }
 
 }  // namespace
 
 void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
-                      LawChoice& choice) {
-    if (lighting.lights.size() < kFewestForLaw) return;
-    const LobeTrial trial = try_stretches(sample, lighting, choice.law);
+                      ReflectanceModelSelection& choice) {
+    if (lighting.lights.size() < kFewestForModel) return;
+    const LobeTrial trial = try_stretches(sample, lighting, choice.reflectance_model);
     choice.stretches = summary_of(sample, lighting, trial);
-    if (!choice.stretches.chosen || !haze_is_open || !(choice.law.haze > 0)) return;
-    ReflectanceLaw sharp = choice.law;
+    if (!choice.stretches.chosen || !haze_is_open || !(choice.reflectance_model.haze > 0)) return;
+    ReflectanceModel sharp = choice.reflectance_model;
     sharp.haze = 0;
     const LobeTrial without = try_stretches(sample, lighting, sharp);
-    const LawChoice::Stretches stretches = summary_of(sample, lighting, without);
+    const ReflectanceModelSelection::Stretches stretches = summary_of(sample, lighting, without);
     const WithNoise with_noise{sample, lighting};
     const bool hazy = with_noise.is_better(trial.whole_db, without.whole_db, kSureOfHaze) &&
                       trial.pixels.part_better_than(without.pixels) > kMostPixels;
     if (!stretches.chosen || hazy) return;
     choice.stretches = stretches;
-    choice.law = sharp;
+    choice.reflectance_model = sharp;
 }
 
-nlohmann::json to_json(const LawChoice& choice) {
+nlohmann::json to_json(const ReflectanceModelSelection& choice) {
     nlohmann::json trials = nlohmann::json::array();
-    for (const LawChoice::Trial& trial : choice.trials)
-        trials.push_back({{"diffuse_roughness", trial.law.diffuse_roughness},
-                          {"haze", trial.law.haze},
-                          {"psnr_db", trial.left_out_db}});
-    return {{"diffuse_roughness", choice.law.diffuse_roughness},
-            {"haze", choice.law.haze},
-            {"left_out_db", trials},
-            {"coloured_lobes",
+    for (const ReflectanceModelSelection::Trial& trial : choice.trials)
+        trials.push_back({{"diffuse_roughness", trial.reflectance_model.diffuse_roughness},
+                          {"second_lobe_weight", trial.reflectance_model.haze},
+                          {"psnr_db", trial.cv_psnr_db}});
+    return {{"diffuse_roughness", choice.reflectance_model.diffuse_roughness},
+            {"second_lobe_weight", choice.reflectance_model.haze},
+            {"cv_psnr_db", trials},
+            {"specular_colour",
              {{"chosen", choice.colours.chosen},
               {"part", choice.colours.part},
               {"white_db", choice.colours.white_db},
-              {"coloured_db", choice.colours.coloured_db}}},
-            {"drawn_out_lobes",
+              {"specular_colour_db", choice.colours.coloured_db}}},
+            {"anisotropic_specular",
              {{"chosen", choice.stretches.chosen},
               {"part", choice.stretches.part},
               {"isotropic_db", choice.stretches.isotropic_db},
-              {"drawn_out_db", choice.stretches.drawn_out_db}}}};
+              {"anisotropic_db", choice.stretches.anisotropic_db}}}};
 }
 
 }  // namespace tangi

@@ -1,6 +1,6 @@
 // reflectance_model_selection.h: how rough the diffuse reflection of a painting is, how much haze its lobes
-// have (surface/reflectance/ward.h), and whether they have colours and are drawn out, decided by how well
-// left-out photographs are predicted.
+// have (surface/reflectance/ward.h), and whether they have colours and are anisotropic, decided by how well
+// validation photographs are predicted.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,26 +11,26 @@
 
 namespace tangi {
 
-struct LawChoice {
-    ReflectanceLaw law;
+struct ReflectanceModelSelection {
+    ReflectanceModel reflectance_model;
     // [dB] Mean PSNR of photographs left out in turn, on the sample, for each law that was tried.
     struct Trial {
-        ReflectanceLaw law;
-        double left_out_db;
+        ReflectanceModel reflectance_model;
+        double cv_psnr_db;
     };
     std::vector<Trial> trials{};  // empty where it was given, or where there were too few photographs to try
-    // Whether lobes have colours, under that law: mean PSNR of left-out photographs at the pixels of the
+    // Whether lobes have colours, under that law: mean PSNR of validation photographs at the pixels of the
     // sample whose lobes are coloured by the others, as white ones and as coloured ones.
     struct Colours {
         bool chosen = false;
         double part = 0;  // [1] of the sample: such pixels
         double white_db = 0, coloured_db = 0;
     } colours{};
-    // The same of lobes that are drawn out (surface/reflectance/anisotropy.h).
+    // The same of lobes that are anisotropic (surface/reflectance/anisotropy.h).
     struct Stretches {
         bool chosen = false;
         double part = 0;
-        double isotropic_db = 0, drawn_out_db = 0;
+        double isotropic_db = 0, anisotropic_db = 0;
     } stretches{};
 };
 
@@ -39,24 +39,27 @@ struct LawChoice {
 // roughness), the noise to expect of stored values counted as part of every error, haze also only where more
 // than half of the pixels are predicted better; else they are 0, as they are with fewer than 12 photographs.
 // A roughness that is known already is kept. Deterministic for any number of threads.
-LawChoice choose_law(const LightSample& sample, const Lighting& lighting, const Progress& progress = {},
-                     const std::optional<double>& diffuse_roughness = {});
+ReflectanceModelSelection select_reflectance_model(const LightSample& sample, const Lighting& lighting,
+                                                   const Progress& progress = {},
+                                                   const std::optional<double>& diffuse_roughness = {});
 
 // The colours of lobes (specular_colour.h) under that law: where at least 1 % of the sample has any, and
 // photographs are predicted better there by 0.1 dB more than twice its standard error, noise counted
-// likewise; with lobes drawn out as the same photographs say, or isotropic.
-LawChoice::Colours choose_lobe_colours(const LightSample& sample, const Lighting& lighting,
-                                       const ReflectanceLaw& law, bool drawn_out);
+// likewise; with lobes anisotropic as the same photographs say, or isotropic.
+ReflectanceModelSelection::Colours choose_specular_colours(const LightSample& sample,
+                                                           const Lighting& lighting,
+                                                           const ReflectanceModel& reflectance_model,
+                                                           bool anisotropic);
 
-// Whether lobes are drawn out (anisotropy_estimate.h), by the same test, with white lobes, under the
+// Whether lobes are anisotropic (anisotropy_estimate.h), by the same test, with white lobes, under the
 // choice's law; sets its stretches. A lobe that is narrow one way and wide the other passes for a hazy one:
-// where lobes are drawn out, haze (if it is open) is only left where it still predicts photographs better.
+// where lobes are anisotropic, haze (if it is open) is only left where it still predicts photographs better.
 void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
-                      LawChoice& choice);
+                      ReflectanceModelSelection& choice);
 
-// {"diffuse_roughness", "haze", "left_out_db": [{"diffuse_roughness", "haze", "psnr_db"}, …],
-//  "coloured_lobes": {"chosen", "part", "white_db", "coloured_db"},
-//  "drawn_out_lobes": {"chosen", "part", "isotropic_db", "drawn_out_db"}}
-nlohmann::json to_json(const LawChoice& choice);
+// {"diffuse_roughness", "haze", "cv_psnr_db": [{"diffuse_roughness", "haze", "psnr_db"}, …],
+//  "coloured_specular": {"chosen", "part", "white_db", "coloured_db"},
+//  "anisotropic_specular": {"chosen", "part", "isotropic_db", "anisotropic_db"}}
+nlohmann::json to_json(const ReflectanceModelSelection& choice);
 
 }  // namespace tangi

@@ -1,6 +1,6 @@
 // schur_solver.h: Levenberg-Marquardt for a ceres::Problem in which many small blocks (pixels) meet each
-// other only through a few shared ones (lamps): the small ones are eliminated first (Schur complement: Triggs
-// et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6.1).
+// other only through a few shared ones (lights): the small ones are eliminated first (Schur complement:
+// Triggs et al. 2000, "Bundle adjustment: a modern synthesis", sec. 6.1).
 //
 // Scaling, damping and stops are those of ceres::Solve() with DENSE_SCHUR, and so are the minima; it is
 // several times faster where blocks have few parameters, as sums go into dense rows of each small block

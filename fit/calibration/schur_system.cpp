@@ -24,7 +24,7 @@ using Block = SchurStructure::Block;
 using Residual = SchurStructure::Residual;
 
 // Sums are taken over parts of the eliminated blocks, each in its order, and then over the parts: each has a
-// matrix of the shared parameters, of which there are thousands where hundreds of lamps have beams.
+// matrix of the shared parameters, of which there are thousands where hundreds of lights have beams.
 int parts_for(int shared) { return shared <= 400 ? 8 : shared <= 1000 ? 4 : 1; }
 constexpr int kAtOnce = 32;  // eliminated blocks whose rows are multiplied at once
 

@@ -165,12 +165,12 @@ ComparisonMean mean_of(const std::vector<PhotoComparison>& photos, Wanted&& want
         mean.psnr_db += photo.psnr_db;
         mean.ssim += photo.ssim;
         mean.delta_e_2000 += photo.delta_e_2000;
-        if (photo.faithful_psnr_db)
-            mean.faithful_psnr_db = mean.faithful_psnr_db.value_or(0) + *photo.faithful_psnr_db;
+        if (photo.residual_psnr_db)
+            mean.residual_psnr_db = mean.residual_psnr_db.value_or(0) + *photo.residual_psnr_db;
     }
     const double n = std::max(mean.count, 1);
-    if (mean.faithful_psnr_db) *mean.faithful_psnr_db /= n;
-    return {mean.count, mean.psnr_db / n, mean.ssim / n, mean.delta_e_2000 / n, mean.faithful_psnr_db};
+    if (mean.residual_psnr_db) *mean.residual_psnr_db /= n;
+    return {mean.count, mean.psnr_db / n, mean.ssim / n, mean.delta_e_2000 / n, mean.residual_psnr_db};
 }
 
 void summarise(const Stack& stack, int unknown, CompareReport& report) {
@@ -209,7 +209,7 @@ std::string utf8_of(const std::string& text) {
 
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options,
                       const Progress& progress, const ComparisonSink& sink,
-                      const FaithfulResidual& residual) {
+                      const RelightingResidual& residual) {
     validate(options);
     require_comparable(surface, photos);
     CompareReport report_;
@@ -253,10 +253,10 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
             report_.warnings.push_back(std::move(told));
     }
     // Used for one photograph after the other.
-    Image<Rgb> relit(surface.width(), surface.height()), linear, faithful;
+    Image<Rgb> relit(surface.width(), surface.height()), linear, with_residual;
     Image<float> delta_e(surface.width(), surface.height());
     PhotosAhead ahead(photos, all, unit);
-    std::vector<LeftOut> left_out;
+    std::vector<RejectedPhoto> rejected;
     for (std::size_t i = 0; i < all.size(); ++i) {
         report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
         PhotoComparison result = described(all[i], surface.photography);
@@ -264,9 +264,9 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
         try {
             photo = &ahead.next();
         } catch (const PhotoError& error) {
-            left_out.push_back({all[i].light.name, error.what()});
-            report_.warnings.push_back(fmt::format("{}; left out", error.what()));
-            require_few(left_out, all.size(), 1, photos.folder.string());
+            rejected.push_back({all[i].light.name, error.what()});
+            report_.warnings.push_back(fmt::format("{}; rejected", error.what()));
+            require_few(rejected, all.size(), 1, photos.folder.string());
             continue;
         }
         const PixelMask fewer = photo->missing.empty() ? PixelMask() : without_missing(mask, photo->missing);
@@ -278,8 +278,8 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
             encode_picture(linear, report_.transfer, exposure, relit);
             if (!as_fitted) linear = relight(surface, {&result.light, 1}, residuals_own);
             add_residual(residual, surface, {&result.light, 1}, {}, linear);
-            encode_picture(linear, report_.transfer, exposure, faithful);
-            result.faithful_psnr_db = std::min(psnr_db(photo->picture, faithful, present), kPsnrCap_db);
+            encode_picture(linear, report_.transfer, exposure, with_residual);
+            result.residual_psnr_db = std::min(psnr_db(photo->picture, with_residual, present), kPsnrCap_db);
         }
         // Told, and not undone: what a photograph is compared with owes nothing to it.
         if (!result.fitted && photos.channels == 3) {
@@ -315,7 +315,7 @@ json to_json(const CompareReport& report) {
                           {"delta_e_2000_p95", p.delta_e_2000_p95},
                           {"bias", p.bias}});
         if (p.white_balance) photos.back()["white_balance"] = {p.white_balance->x, p.white_balance->y};
-        if (p.faithful_psnr_db) photos.back()["faithful_psnr_db"] = *p.faithful_psnr_db;
+        if (p.residual_psnr_db) photos.back()["residual_psnr_db"] = *p.residual_psnr_db;
     }
     const auto mean = [](const ComparisonMean& m) {
         const auto number = [&](double value) { return m.count > 0 ? json(value) : json(nullptr); };
@@ -323,7 +323,7 @@ json to_json(const CompareReport& report) {
                       {"psnr_db", number(m.psnr_db)},
                       {"ssim", number(m.ssim)},
                       {"delta_e_2000", number(m.delta_e_2000)}};
-        if (m.faithful_psnr_db) means["faithful_psnr_db"] = *m.faithful_psnr_db;
+        if (m.residual_psnr_db) means["residual_psnr_db"] = *m.residual_psnr_db;
         return means;
     };
     json warnings = json::array();

@@ -56,7 +56,7 @@ struct PhotoComparison {
     double azimuth_deg = 0;                    // [deg] 0..360, from x (right) towards y (up)
     bool fitted = false;                       // false: held out, the fit never saw it
     double psnr_db = 0;                        // [dB] at most kPsnrCap_db
-    std::optional<double> faithful_psnr_db{};  // [dB] relit with the painting's residual, where it has one
+    std::optional<double> residual_psnr_db{};  // [dB] relit with the painting's residual, where it has one
     double ssim = 0;                           // [1] -1..1
     double delta_e_2000 = 0;                   // [1] mean over the pixels
     double delta_e_2000_p95 = 0;               // [1] 95 % of the pixels differ by no more
@@ -71,7 +71,7 @@ struct PhotoComparison {
 struct ComparisonMean {
     int count = 0;
     double psnr_db = 0, ssim = 0, delta_e_2000 = 0;
-    std::optional<double> faithful_psnr_db{};
+    std::optional<double> residual_psnr_db{};
 };
 
 struct CompareReport {
@@ -111,7 +111,7 @@ using ComparisonSink = std::function<void(const ComparedPictures&)>;
 // photographs, nothing in it was measured, sizes that differ; Cancelled.
 CompareReport compare(const Surface& surface, const Stack& photos, const CompareOptions& options = {},
                       const Progress& progress = {}, const ComparisonSink& sink = {},
-                      const FaithfulResidual& residual = {});
+                      const RelightingResidual& residual = {});
 
 // {"photos": [{"name", "fitted", "light": [x, y, z], "elevation_deg", …}], "mean": {"held_out": {"count",
 // "psnr_db", "ssim", "delta_e_2000"}, "fitted", "all"}, "judged_by": "held_out" or, where none was, "fitted",

@@ -97,7 +97,7 @@ json write_maps(const fs::path& folder, const Surface& surface, const CompareOpt
 
 CompareReport write_files(const fs::path& folder, const Surface& surface, const Stack& photos,
                           const CompareOptions& options, const Progress& progress,
-                          const FaithfulResidual& residual) {
+                          const RelightingResidual& residual) {
     make_folder(folder / "pictures");
     json files = json::array();
     const ComparisonSink sink = [&](const ComparedPictures& pictures) {
@@ -116,7 +116,7 @@ CompareReport write_files(const fs::path& folder, const Surface& surface, const 
 
 CompareReport write_comparison(const fs::path& folder, const Surface& surface, const Stack& photos,
                                const CompareOptions& options, const Progress& progress,
-                               const FaithfulResidual& residual) {
+                               const RelightingResidual& residual) {
     FolderFiles written(folder);  // one that is stopped leaves an older one as it was
     CompareReport report;
     told_of(written.temporary(), folder,

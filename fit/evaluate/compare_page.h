@@ -18,7 +18,7 @@ namespace tangi {
 // folder cannot be written.
 CompareReport write_comparison(const std::filesystem::path& folder, const Surface& surface,
                                const Stack& photos, const CompareOptions& options = {},
-                               const Progress& progress = {}, const FaithfulResidual& residual = {});
+                               const Progress& progress = {}, const RelightingResidual& residual = {});
 
 // The page for a report, given as the JSON that write_comparison() makes. Whatever the names contain, they
 // stay text.

@@ -54,15 +54,15 @@ private:
 }  // namespace
 
 std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const Progress& progress) {
-    Writer write(folder, 7 + (s.lobe_colour.empty() ? 0 : 1) + (s.lobe_axes.empty() ? 0 : 2), progress);
+    Writer write(folder, 7 + (s.specular_colour.empty() ? 0 : 1) + (s.lobe_axes.empty() ? 0 : 2), progress);
     write("height.exr", [&](const fs::path& path) { write_map(path, s.height_mm); });
     write("normal.exr", [&](const fs::path& path) { write_map(path, s.normal); });
     write("diffuse.exr", [&](const fs::path& path) { write_picture(path, s.diffuse, Transfer{}); });
     write("specular.exr", [&](const fs::path& path) { write_map(path, s.specular); });
     write("roughness.exr", [&](const fs::path& path) { write_map(path, s.roughness); });
     write("confidence.exr", [&](const fs::path& path) { write_map(path, s.confidence); });
-    if (!s.lobe_colour.empty())
-        write("lobe.exr", [&](const fs::path& path) { write_picture(path, s.lobe_colour, Transfer{}); });
+    if (!s.specular_colour.empty())
+        write("lobe.exr", [&](const fs::path& path) { write_picture(path, s.specular_colour, Transfer{}); });
     if (!s.lobe_axes.empty()) {
         const auto [across, tangent] = axes_maps(s.lobe_axes);
         write("roughness_v.exr", [&, map = &across](const fs::path& path) { write_map(path, *map); });
@@ -73,8 +73,8 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
                                   {"mm_per_pixel", s.mm_per_pixel},
                                   {"scale_known", s.scale_known},
                                   {"height_unit", height_unit_of(s.mm_per_pixel, s.scale_known)},
-                                  {"diffuse_roughness", s.law.diffuse_roughness},
-                                  {"haze", s.law.haze},
+                                  {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
+                                  {"second_lobe_weight", s.reflectance_model.haze},
                                   {"photography", to_json(exposure_and_camera(s.photography))}};
     write("maps.json", [&](const fs::path& path) { write_text_file(path, about.dump(2) + "\n"); });
     return write.paths;
@@ -98,8 +98,8 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
     write("kd.png",
           [&](const fs::path& path) { write_picture(path, s.diffuse, {Transfer::Kind::srgb}, storage); });
     write("ks.png", [&](const fs::path& path) {
-        if (s.lobe_colour.empty()) return write_map(path, s.specular, storage);
-        Image<Rgb> ks = s.lobe_colour;
+        if (s.specular_colour.empty()) return write_map(path, s.specular, storage);
+        Image<Rgb> ks = s.specular_colour;
         for (std::size_t i = 0; i < ks.size(); ++i) ks.pixels()[i] *= s.specular.pixels()[i];
         write_map(path, ks, storage);
     });

@@ -7,7 +7,7 @@
 namespace tangi {
 
 std::optional<double> white_level_of_unit(const Stack& stack, const Survey& survey) {
-    // [1] Of white: 98 % of the values of generated paintings under 16 to 24 lamps are below 0.5 to 0.65.
+    // [1] Of white: 98 % of the values of generated paintings under 16 to 24 lights are below 0.5 to 0.65.
     constexpr double kBrightPaint = 0.6;
     const bool of_floats = stack.bits == 32 && (!stack.development || stack.development->bits == 32);
     const double bright = static_cast<double>(bright_stored(survey));

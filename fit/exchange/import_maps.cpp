@@ -12,6 +12,7 @@
 #include "surface/base/json_text.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
+#include "surface/base/renamed_keys.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/visible_files.h"
 #include "surface/image/memory_budget.h"
@@ -185,7 +186,8 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
     if (!files.across && !files.tangent) return;
     if (!files.across || !files.tangent || !files.roughness)
         fail(
-            "{}: roughness, roughness_v and tangent say together how lobes are drawn out, and {} is missing; "
+            "{}: roughness, roughness_v and tangent say together how lobes are anisotropic, and {} is "
+            "missing; "
             "add it, or take this file away",
             (files.across ? *files.across : *files.tangent).string(),
             !files.across    ? "roughness_v"
@@ -261,7 +263,7 @@ double greatest_alpha(const ImportOptions& options) { return options.alpha_max.v
 ImportOptions as_described(const fs::path& folder, ImportOptions options) {
     const fs::path path = folder / "maps.json";
     if (!fs::is_regular_file(path)) return as_openlime_is_told(folder / "brdf.json", std::move(options));
-    const nlohmann::json about = told_in(path);
+    const nlohmann::json about = with_present_keys(told_in(path));
     if (!about.value("scale_known", nlohmann::json()).is_boolean()) return options;  // another program's
     const auto number = [&](const char* field, double least, double most) {
         return number_in(path, field, about.value(field, nlohmann::json()), least, most);
@@ -274,7 +276,7 @@ ImportOptions as_described(const fs::path& folder, ImportOptions options) {
         fail("{}: what it says of the photography cannot be read; export the maps again, or take that out",
              path.string());
     }
-    if (!options.haze) options.haze = number("haze", 0, 1);
+    if (!options.haze) options.haze = number("second_lobe_weight", 0, 1);
     if (!options.diffuse_roughness) options.diffuse_roughness = number("diffuse_roughness", 0, 1);
     return options;
 }
@@ -321,7 +323,8 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
     s.mm_per_pixel = options.mm_per_pixel.value_or(1);
     s.scale_known = options.mm_per_pixel.has_value() && options.scale_known;
     s.photography = options.photography;
-    s.law = {.diffuse_roughness = options.diffuse_roughness.value_or(0), .haze = options.haze.value_or(0)};
+    s.reflectance_model = {.diffuse_roughness = options.diffuse_roughness.value_or(0),
+                           .haze = options.haze.value_or(0)};
     report_.pixels = static_cast<long>(s.height_mm.size());
     report(progress, "read maps", 0.2);
     if (files.specular) {
@@ -331,8 +334,8 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
             s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
     }
     if (files.lobe) {
-        s.lobe_colour = read_map(*files.lobe, s, first);
-        for (Rgb& colour : s.lobe_colour.pixels()) colour = glm::clamp(colour, 0.0f, 1.0f);
+        s.specular_colour = read_map(*files.lobe, s, first);
+        for (Rgb& colour : s.specular_colour.pixels()) colour = glm::clamp(colour, 0.0f, 1.0f);
     }
     report(progress, "read maps", 0.4);
     take_roughness(files, options, first, s, report_);

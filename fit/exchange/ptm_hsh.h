@@ -2,7 +2,7 @@
 // viewers show, and the yardstick for the Ward fit.
 //
 // Both predict stored values (in the photographs' encoding, 0..1) as a linear combination of functions of the
-// light's direction alone: lamps count as distant and equally strong.
+// light's direction alone: lights count as distant and equally strong.
 #pragma once
 
 #include <array>

@@ -84,7 +84,7 @@ HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& co
         std::fill(height_mm.pixels().begin(), height_mm.pixels().end(), 0.0f);
     edges.weigh(resumes ? &height_mm : nullptr);
     HeightReport result = solve_robustly(edges, height_mm, options, resumes, progress);
-    if (task.unmixed) edges.offset_part = kUnmixedOffset;
+    if (task.steepened) edges.offset_part = kSteepenedOffset;
     if (task.error_mm) *task.error_mm = height_errors(edges, height_mm, progress);
     subtract({-tilt.x * mm_per_pixel, -tilt.y * mm_per_pixel, 0}, height_mm);
     remove_mean(height_mm);

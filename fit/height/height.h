@@ -41,7 +41,7 @@ struct HeightReport {
 struct HeightTask {
     Image<HalfError>* error_mm = nullptr;  // where not null, becomes height_errors() (height_error.h)
     // What pixels mix was taken out of these normals (subpixel_slopes.h), which leaves less.
-    bool unmixed = false;
+    bool steepened = false;
     // height_mm, where it has the size of the normals, is one of about these slopes: cycles begin with it,
     // and the weights of cliffs with what it leaves of the slopes (also without robust_sweeps).
     bool resumes = false;

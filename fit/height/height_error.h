@@ -7,7 +7,7 @@
 namespace tangi {
 
 // [pixels] Side of the window whose mean a height error is relative to. Errors of slopes add up with the
-// distance, and lamps that are a little off bend a whole painting: what the height is across more than this
+// distance, and lights that are a little off bend a whole painting: what the height is across more than this
 // is not said by any standard error.
 constexpr int kHeightErrorWindow = 33;
 

@@ -38,7 +38,7 @@ constexpr float kSharpest = 0.002f;
 constexpr float kOffset = 0.1f;
 // The same where what pixels mix was taken out of the slopes (subpixel_slopes.h), by as much as is right:
 // 0.06 to 0.08 (the same tests).
-constexpr float kUnmixedOffset = 0.07f;
+constexpr float kSteepenedOffset = 0.07f;
 
 // [1] What one end of an edge adds to the variance of the edge's difference in height, in pixels.
 inline float edge_variance(float slope_variance, float spread) {

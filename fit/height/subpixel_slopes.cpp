@@ -18,7 +18,7 @@ Slope steepened(const Image<Vec3>& normal, const Image<float>& confidence, float
 
 }  // namespace
 
-Image<Vec3> unmixed_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mixing) {
+Image<Vec3> steepened_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mixing) {
     TP_REQUIRE(normal.region() == confidence.region(), "normals and confidence have one size");
     TP_REQUIRE(mixing >= 0, "a variance");
     const int width = normal.width(), height = normal.height();

@@ -19,6 +19,6 @@ namespace tangi {
 // own axis, so that the mean of two neighbours is their integral to the fourth order (Simpson's correction of
 // the trapezoid that integrate_normals() takes). Pixels of confidence 0 stay as they are, and have no say in
 // others.
-Image<Vec3> unmixed_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mixing);
+Image<Vec3> steepened_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mixing);
 
 }  // namespace tangi

@@ -17,7 +17,7 @@ namespace tangi {
 namespace {
 
 constexpr double kLeastShadowCertainty = 6;  // [standard errors]
-constexpr double kLeastContrast = -0.1;  // ln: shadows that hide nearly all of a lamp take off 10 % and more
+constexpr double kLeastContrast = -0.1;  // ln: shadows that hide nearly all of a light take off 10 % and more
 constexpr float kHighest = 0.75f;        // [1] z of lights that are looked at: below 49 degrees
 constexpr float kLeastCosine = 0.1f;   // [1] n·l: beyond, small errors of the normal are large ones of light
 constexpr double kDarkAsNoise = 0.02;  // [1] of the white level: noise
@@ -69,8 +69,8 @@ Bend bend_terms(const Image<float>& height_mm, int x, int y) {
     return terms;
 }
 
-// The relief without its bend as a whole (a polynomial of the second degree), which lamps that are nearer, or
-// lower, than they are taken for make as well: a bowl hides lamps all over that a dome, with hills for
+// The relief without its bend as a whole (a polynomial of the second degree), which lights that are nearer,
+// or lower, than they are taken for make as well: a bowl hides lights all over that a dome, with hills for
 // valleys, does not.
 Image<float> without_bend(const Image<float>& height_mm, const Image<float>& confidence) {
     constexpr int most = 1000000;
@@ -94,7 +94,7 @@ Image<float> without_bend(const Image<float>& height_mm, const Image<float>& con
     return relief;
 }
 
-// By how much darker a photograph is where a height hides the lamp than where it does not: ln; NaN where it
+// By how much darker a photograph is where a height hides the light than where it does not: ln; NaN where it
 // hides it from too few samples.
 struct Contrast {
     double log_ratio = std::numeric_limits<double>::quiet_NaN();
@@ -104,7 +104,7 @@ struct Contrast {
 // One a photograph.
 std::vector<Contrast> contrasts(const Image<float>& height_mm, double mm_per_pixel, const LightTurn& turn,
                                 const std::vector<std::vector<Lit>>& lit, const std::vector<Light>& lights) {
-    const CastShadows shadows(height_mm, mm_per_pixel, Rig::kPointLamp_deg);
+    const CastShadows shadows(height_mm, mm_per_pixel, Rig::kPointLight_deg);
     std::vector<Contrast> result(lights.size());
     parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
@@ -204,7 +204,7 @@ double shadow_misfit(const Surface& surface, const Survey& survey, const Transfe
     parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             for (const Lit& sample : lit_by(surface, survey, i, transfer, lights[i], white_level)) {
-                // Gloss is brighter than any lamp that is seen whole.
+                // Gloss is brighter than any light that is seen whole.
                 const double shown = std::min(sample.measured, sample.predicted);
                 const auto visible =
                     static_cast<double>(shadows.visible_part(sample.x, sample.y, sample.direction));
@@ -232,26 +232,30 @@ struct Flags {
     }
 };
 
-LightTurn turn_of(const LightFlips& flips) {
+LightTurn turn_of(const LightAxes& axes) {
     // Both axes are half a turn.
-    return LightTurn{false, flips.turn_deg}.after({flips.x != flips.y, flips.x ? 180.0 : 0.0});
+    return LightTurn{false, axes.rotation_deg}.after({axes.flip_x != axes.flip_y, axes.flip_x ? 180.0 : 0.0});
 }
 
 // From 0 to 360 degrees as from -180 to 180: a small turn looks small.
 double signed_deg(double deg) { return deg > 180 ? deg - 360 : deg; }
 
 // The flags that make of lights as they were taken those that are also turned by `turn`.
-std::string remedy(const LightFlips& taken, const LightTurn& turn) {
+std::string remedy(const LightAxes& taken, const LightTurn& turn) {
     const Flags wanted(turn.after(turn_of(taken)));
     std::string give, leave;
     const auto add = [](std::string& to, const std::string& flag) { to += (to.empty() ? "" : " ") + flag; };
-    if (wanted.x != taken.x) add(wanted.x ? give : leave, "--lights-flip-x");
-    if (wanted.y != taken.y) add(wanted.y ? give : leave, "--lights-flip-y");
-    if (wanted.turn_deg != taken.turn_deg) {
-        if (wanted.turn_deg == 0)
-            add(leave, "--lights-turn");
+    if (wanted.x != taken.flip_x || wanted.y != taken.flip_y) {
+        if (!wanted.x && !wanted.y)
+            add(leave, "--light-axes");
         else
-            add(give, fmt::format("--lights-turn {:.0f}", signed_deg(wanted.turn_deg)));
+            add(give, "--light-axes " + in_words(LightAxes{wanted.x, wanted.y}));
+    }
+    if (wanted.turn_deg != taken.rotation_deg) {
+        if (wanted.turn_deg == 0)
+            add(leave, "--light-rotation-deg");
+        else
+            add(give, fmt::format("--light-rotation-deg {:.0f}", signed_deg(wanted.turn_deg)));
     }
     if (leave.empty()) return "give " + give;
     return give.empty() ? "leave out " + leave : "give " + give + " and leave out " + leave;
@@ -274,7 +278,7 @@ std::string slopes_of(const SignCheck& signs, const LightTurn& turn) {
 }
 
 // Of lights that are turned.
-std::string turn_doubt(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken) {
+std::string turn_doubt(const SignCheck& signs, const ShadowCheck& shadows, const LightAxes& taken) {
     LightTurn turn = shadows.certain() ? shadows.best : signs.remedy();
     // Half a turn more has the same slopes: the smaller one is likelier, and told first.
     if (!shadows.certain() && !turn.mirrored && std::abs(signed_deg(turn.turn_deg)) > 90)
@@ -291,7 +295,7 @@ std::string turn_doubt(const SignCheck& signs, const ShadowCheck& shadows, const
 
 }  // namespace
 
-std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken) {
+std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const LightAxes& taken) {
     const std::string told = fmt::format("({:.0f} standard errors)", shadows.certainty);
     if (signs.is_turned()) return turn_doubt(signs, shadows, taken);
     if (signs.mirrored()) {
@@ -304,7 +308,7 @@ std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const L
     }
     if (shadows.certain() && shadows.best.turn_deg == 180)
         return fmt::format(
-            "cast shadows lie where hills and valleys are exchanged and all lamps on the other side {}: {}",
+            "cast shadows lie where hills and valleys are exchanged and all lights on the other side {}: {}",
             told, remedy(taken, shadows.best));
     return {};
 }

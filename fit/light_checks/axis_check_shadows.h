@@ -1,8 +1,8 @@
 // axis_check_shadows.h: which way the axes of a lights file point, as the shadows tell that the relief casts.
 //
 // Slopes leave it open whether x, y or none or both of them are mirrored (axis_check_slopes.h), and turns by
-// 180 degrees at all: hills and valleys are exchanged, and each lamp shines from the other side. Matt shading
-// is the same; cast shadows are not.
+// 180 degrees at all: hills and valleys are exchanged, and each light shines from the other side. Matt
+// shading is the same; cast shadows are not.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -31,14 +31,14 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
                           const Transfer& transfer, const std::vector<Light>& lights, double white_level,
                           const Progress& progress = {});
 
-// [1] Mean square of the part of a lamp's light that photographs show at samples of matt paint, less the part
-// that gets past the surface's height, from lamps of this angular radius.
+// [1] Mean square of the part of its light that photographs show at samples of matt paint, less the part
+// that gets past the surface's height, from lights of this angular radius.
 double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
                      const std::vector<Light>& lights, double white_level, double light_radius_deg);
 
 // What is to be done about it, with the numbers, for people; empty where nothing is. `taken`: what was done
 // to the lights already, as the user asked.
-std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const LightFlips& taken);
+std::string doubt_of(const SignCheck& signs, const ShadowCheck& shadows, const LightAxes& taken);
 
 nlohmann::json to_json(const SignCheck& signs, const ShadowCheck& shadows);
 

@@ -15,6 +15,6 @@ namespace tangi {
 // listed, `lighting` as they were found to be, both in the order of the sample's stack; strengths are found
 // again for either light. Those whose photograph hardly any pixel shows stay.
 void take_vote(LightOutliers& outliers, const LightSample& sample, const std::vector<Light>& listed,
-               const Lighting& lighting, const ReflectanceLaw& law);
+               const Lighting& lighting, const ReflectanceModel& reflectance_model);
 
 }  // namespace tangi

@@ -143,7 +143,7 @@ Judged judge(std::vector<ReliefPixel>& pixels, const std::vector<Light>& lights,
     judged.shown.resize(lights.size());
     parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            judged.shown[i] = shown_light(i, pixels);
+            judged.shown[i] = per_photo_light(i, pixels);
     });
     measure_off(judged, lights, used);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -213,22 +213,24 @@ Vec3 light_at(const Vector2d& side, double zenith_rad) {
 }
 
 // What is odd about the light of a photograph: its side, or else its height.
-std::optional<OddLight> oddity(const Judged& judged, const std::vector<Light>& lights, std::size_t photo) {
+std::optional<LightOutlier> oddity(const Judged& judged, const std::vector<Light>& lights,
+                                   std::size_t photo) {
     const ShownLight& shown = *judged.shown[photo];
     const Light& light = lights[photo];
     const double plane = plane_of(light).norm(), side_sigma_deg = plane * shown.sigma_rad * kDegrees;
     if (judged.scatter_deg <= kMostScatter_deg &&
         stands_out(judged.off_deg, judged.scatter_deg, side_sigma_deg, lights, photo)) {
         const Vector2d side = judged.map.back(shown.side, plane);
-        return OddLight{photo, judged.off_deg[photo], side_sigma_deg,
-                        Vec3(static_cast<float>(side.x()), static_cast<float>(side.y()), light.direction.z)};
+        return LightOutlier{
+            photo, judged.off_deg[photo], side_sigma_deg,
+            Vec3(static_cast<float>(side.x()), static_cast<float>(side.y()), light.direction.z)};
     }
     const double zenith_sigma_deg = shown.zenith_sigma_rad * kDegrees;
     if (judged.height_scatter_deg <= kMostScatter_deg && judged.scatter_deg <= kMostScatter_deg &&
         plane > kLeastPlane &&
         stands_out(judged.higher_deg, judged.height_scatter_deg, zenith_sigma_deg, lights, photo)) {
-        OddLight odd{photo, std::abs(judged.higher_deg[photo]), zenith_sigma_deg,
-                     light_at(plane_of(light) / plane, judged.heights(shown))};
+        LightOutlier odd{photo, std::abs(judged.higher_deg[photo]), zenith_sigma_deg,
+                         light_at(plane_of(light) / plane, judged.heights(shown))};
         odd.higher_deg = judged.higher_deg[photo];
         return odd;
     }
@@ -236,16 +238,16 @@ std::optional<OddLight> oddity(const Judged& judged, const std::vector<Light>& l
 }
 
 // [deg] How far what an odd photograph shows is from another's light.
-double off_from(const Judged& judged, const OddLight& odd, const Light& other) {
+double off_from(const Judged& judged, const LightOutlier& odd, const Light& other) {
     const ShownLight& shown = *judged.shown[odd.photo];
     const double aside = judged.map.off_deg(shown, other);
     return odd.higher_deg ? std::hypot(aside, judged.heights.higher_deg(shown, other)) : aside;
 }
 
 // Pairs of odd photographs that each other's light explains.
-void find_exchanged(const Judged& judged, const std::vector<Light>& lights, std::vector<OddLight>& odd) {
-    for (OddLight& a : odd)
-        for (OddLight& b : odd) {
+void find_exchanged(const Judged& judged, const std::vector<Light>& lights, std::vector<LightOutlier>& odd) {
+    for (LightOutlier& a : odd)
+        for (LightOutlier& b : odd) {
             if (a.photo >= b.photo || a.exchanged_with || b.exchanged_with) continue;
             if (a.higher_deg.has_value() != b.higher_deg.has_value()) continue;
             const double of_a = off_from(judged, a, lights[b.photo]);
@@ -262,8 +264,8 @@ void find_exchanged(const Judged& judged, const std::vector<Light>& lights, std:
 
 }  // namespace
 
-LightOutliers odd_lights(const Survey& survey, const Transfer& transfer, const std::vector<Light>& lights,
-                         int width, int height) {
+LightOutliers light_outliers(const Survey& survey, const Transfer& transfer, const std::vector<Light>& lights,
+                             int width, int height) {
     TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
     LightOutliers result;
     if (lights.size() < kFewestPhotos) return result;

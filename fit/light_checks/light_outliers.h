@@ -3,7 +3,7 @@
 // Matt reflection is g·s, g = ρd times the normal and s = strength times the direction of the light. The g of
 // a sample of pixels, found from all photographs robustly (photometric stereo, Woodham 1980), tell s of each
 // photograph by linear regression, whatever its strength; what varies slowly over the picture (to the second
-// degree), as near lamps make it, is free. Only the side from which s comes is compared with the list: how
+// degree), as near lights make it, is free. Only the side from which s comes is compared with the list: how
 // high a light stands hangs on what is even in the picture, and so on ambient light and gloss. What all have
 // in common (an affine map of x and y) is fitted robustly and taken off. Photographs that stand out are left
 // out of the g, and all are judged once more. Nothing is said of photographs whose neighbours, by direction,
@@ -20,7 +20,7 @@
 
 namespace tangi {
 
-struct OddLight {
+struct LightOutlier {
     std::size_t photo = 0;  // in the order of the lights
     double off_deg = 0;     // between the listed light and one as high on the side that it shows
     double sigma_deg = 0;   // standard error, by leaving out a sixteenth of the picture in turn
@@ -34,7 +34,7 @@ struct OddLight {
 };
 
 struct LightOutliers {
-    std::vector<OddLight> odd;         // in the order of the photographs
+    std::vector<LightOutlier> odd;     // in the order of the photographs
     std::vector<double> off_deg{};     // of each photograph; NaN where it tells nothing
     double scatter_deg = 0;            // robust, of photographs that are right
     std::vector<double> higher_deg{};  // how much higher than listed each light is shown; likewise
@@ -43,8 +43,8 @@ struct LightOutliers {
 
 // `survey` has one photograph for each light; `lights` are as listed, but for their strengths, as far as
 // these are known. Nothing of fewer than 8 photographs. Deterministic for any number of threads.
-LightOutliers odd_lights(const Survey& survey, const Transfer& transfer, const std::vector<Light>& lights,
-                         int width, int height);
+LightOutliers light_outliers(const Survey& survey, const Transfer& transfer, const std::vector<Light>& lights,
+                             int width, int height);
 
 // What is to be done about it, for people: one for each pair that is exchanged and each other odd light.
 std::vector<std::string> doubts_of(const LightOutliers& outliers, const std::vector<std::string>& names);

@@ -6,7 +6,7 @@ namespace tangi {
 
 std::vector<std::string> doubts_of(const LightOutliers& outliers, const std::vector<std::string>& names) {
     std::vector<std::string> doubts;
-    for (const OddLight& odd : outliers.odd) {
+    for (const LightOutlier& odd : outliers.odd) {
         const std::string& name = names[odd.photo];
         if (odd.higher_deg && !odd.exchanged_with) {
             doubts.push_back(fmt::format(
@@ -28,8 +28,9 @@ std::vector<std::string> doubts_of(const LightOutliers& outliers, const std::vec
             continue;
         }
         if (*odd.exchanged_with < odd.photo) continue;
-        const auto other = std::find_if(outliers.odd.begin(), outliers.odd.end(),
-                                        [&](const OddLight& o) { return o.photo == *odd.exchanged_with; });
+        const auto other = std::find_if(outliers.odd.begin(), outliers.odd.end(), [&](const LightOutlier& o) {
+            return o.photo == *odd.exchanged_with;
+        });
         doubts.push_back(fmt::format(
             "{} and {}: each is shaded by the other's light (their own are off by {:.0f} and {:.0f} degrees, "
             "each other's by {:.1f} and {:.1f}; other photographs': {:.1f}); exchange their lights in the "
@@ -42,7 +43,7 @@ std::vector<std::string> doubts_of(const LightOutliers& outliers, const std::vec
 
 nlohmann::json to_json(const LightOutliers& outliers, const std::vector<std::string>& names) {
     nlohmann::json odd = nlohmann::json::array();
-    for (const OddLight& light : outliers.odd)
+    for (const LightOutlier& light : outliers.odd)
         odd.push_back(
             {{"name", names[light.photo]},
              {"off_deg", light.off_deg},

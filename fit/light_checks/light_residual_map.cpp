@@ -41,17 +41,17 @@ Image<float> LightMisfit::map(std::size_t photo, int longest) const {
 
 LightMisfit light_misfit(const Stack& stack, const Survey& survey, const Transfer& transfer,
                          const NoiseModel& noise, const Lighting& lighting, double mm_per_pixel,
-                         const WardFitOptions& ward, const ReflectanceLaw& law, int wanted) {
+                         const WardFitOptions& ward, const ReflectanceModel& reflectance_model, int wanted) {
     const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, wanted);
     std::vector<int> photos(stack.photos.size());
     std::iota(photos.begin(), photos.end(), 0);
-    const std::vector<WardEstimate> estimates = sample.fit(photos, lighting, law);
+    const std::vector<WardEstimate> estimates = sample.fit(photos, lighting, reflectance_model);
     LightMisfit misfit{stack.width(), stack.height(), {}, {}};
     for (int k = 0; k < sample.size(); ++k) misfit.places.push_back(sample.place_px(k));
     for (const int photo : photos) {
         const Lighting one{
             {lighting.lights[static_cast<std::size_t>(photo)]}, lighting.rig, lighting.white_level};
-        misfit.log_ratios.push_back(sample.log_ratios(estimates, photo, one, law));
+        misfit.log_ratios.push_back(sample.log_ratios(estimates, photo, one, reflectance_model));
     }
     return misfit;
 }

@@ -34,6 +34,7 @@ struct LightMisfit {
 // order of stack.photos.
 LightMisfit light_misfit(const Stack& stack, const Survey& survey, const Transfer& transfer,
                          const NoiseModel& noise, const Lighting& lighting, double mm_per_pixel,
-                         const WardFitOptions& ward, const ReflectanceLaw& law = {}, int wanted = 1500);
+                         const WardFitOptions& ward, const ReflectanceModel& reflectance_model = {},
+                         int wanted = 1500);
 
 }  // namespace tangi

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kFewestListed = 8;
 constexpr std::size_t kMostScreened = 16;  // orders that pixels are fitted with, of those that shading allows
 constexpr int kDeals = 99;                 // random orders
-constexpr int kOrderRounds = 2;            // of the lamps' strengths, which may differ
+constexpr int kOrderRounds = 2;            // of the lights' strengths, which may differ
 constexpr int kScreened = 500, kLookedAt = 4000;  // samples to look for orders with, and to judge them by
 constexpr std::size_t kMostJudged = 3;            // orders
 constexpr double kMostDeviation = 8;  // times the median one, beyond which a deviation counts no more
@@ -84,7 +84,7 @@ public:
         const MattSample sample = sample_of(lights);
         for (std::size_t i = 0; i < lights.size(); ++i)
             lights[i].gain = Rgb(static_cast<float>(std::exp(sample.log_strengths[i])));
-        return odd_lights(survey_, transfer_, lights, width_, height_).scatter_deg;
+        return light_outliers(survey_, transfer_, lights, width_, height_).scatter_deg;
     }
 
     void judge(ListOrder::Other& other) const {

@@ -2,7 +2,7 @@
 // photographs, from the start or from one of them on, that runs the other way, or row by row where it should
 // column by column (list_slips.h), and whether it fits them in any order.
 //
-// Where lamps stand in rings, such a list is as good as one whose lights are all turned, but for the ends of
+// Where lights stand in rings, such a list is as good as one whose lights are all turned, but for the ends of
 // the rings: slopes look turned (axis_check_slopes.h), and turning the lights makes them right for most
 // photographs and wrong for the rest. Matt reflection tells which it is: it fits lights that are all turned
 // or mirrored as well as the right ones, since the surface turns with them, and lights in another order
@@ -39,7 +39,7 @@ struct ListOrder {
     // The one that fits best first; of those that fit as well, the simplest.
     std::vector<Other> better;
     double scatter_deg = 0;  // about the lights as listed; 0 where no other order is better
-    // Orders that do to all lights what a turn, or a mirror image, does, as of lamps in one even ring:
+    // Orders that do to all lights what a turn, or a mirror image, does, as of lights in one even ring:
     // shading cannot tell them from it.
     std::vector<Other> as_turns;
     // [0..1] Of what changes from photograph to photograph (list_slips.h): what the list explains, what any
@@ -62,7 +62,7 @@ ListOrder check_list_order(const Survey& survey, const Transfer& transfer, const
 // mirrored explain the photographs. `taken`: what was done to the lights already, as the user asked.
 // `fits_as_listed`: a surface explains the photographs under these lights as well as honest ones; then only
 // an order that explains nearly all is told.
-std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
+std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightAxes& taken,
                      const std::vector<std::string>& names, bool fits_as_listed = false);
 
 // That no order of the list that was tried fits; empty where fits_no_order() is false.

@@ -108,11 +108,11 @@ std::string doubt_of_any_order(const ListOrder& order) {
         100 * order.explained, 100 * order.by_chance, 100 * order.explainable);
 }
 
-std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightFlips& taken,
+std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightAxes& taken,
                      const std::vector<std::string>& names, bool fits_as_listed) {
     // Both axes are half a turn.
-    const LightTurn asked =
-        LightTurn{false, taken.turn_deg}.after({taken.x != taken.y, taken.x ? 180.0 : 0.0});
+    const LightTurn asked = LightTurn{false, taken.rotation_deg}.after(
+        {taken.flip_x != taken.flip_y, taken.flip_x ? 180.0 : 0.0});
     const LightTurn turn = asked.after(signs.remedy());
     const auto found = std::find_if(
         order.better.begin(), order.better.end(),
@@ -123,9 +123,8 @@ std::string doubt_of(const ListOrder& order, const SignCheck& signs, const Light
         "the list of lights {}: {} (matt reflection fits {:.0f} % better so, {:.0f} standard errors): {}",
         what, examples_of(*found, names), 100 * (std::exp(-found->log_ratio) - 1), found->certainty, remedy);
     std::string flags;
-    for (const auto& [given, flag] :
-         {std::pair(taken.x, "--lights-flip-x"), std::pair(taken.y, "--lights-flip-y"),
-          std::pair(taken.turn_deg != 0, "--lights-turn")})
+    for (const auto& [given, flag] : {std::pair(taken.flip_x || taken.flip_y, "--light-axes"),
+                                      std::pair(taken.rotation_deg != 0, "--light-rotation-deg")})
         if (given) flags += fmt::format(" {}", flag);
     if (!flags.empty()) return text + "; leave out" + flags;
     return turn == LightTurn{} ? text : text + "; all lights turned would be wrong for some photographs";
@@ -139,7 +138,8 @@ std::string or_order(const ListOrder& order, const SignCheck& signs, const std::
         [&](const ListOrder::Other& other) { return between_deg(other.turn, turn) < kSameTurn_deg; });
     if (same == order.as_turns.end()) return {};
     return fmt::format(
-        ". Or the list of lights {}: lamps that stand in an even ring look the same then, so it is the order "
+        ". Or the list of lights {}: lights that stand in an even ring look the same then, so it is the "
+        "order "
         "or the turn. Look from which side {} is lit: from that of its own line, once turned, or from that "
         "of "
         "{}'s",

@@ -55,7 +55,7 @@ PhotoTerms solve_blocks(const std::vector<MisfitNormal>& of_photo) {
     if (2 * static_cast<int>(blocks.size()) < 3 * kMisfitTerms) return result;
     MisfitNormal all = sum_of_blocks(blocks);
     const auto count = static_cast<double>(all.count);
-    // What nothing tells apart (on a flat painting, the room and the lamp) is shared between them.
+    // What nothing tells apart (on a flat painting, the room and the light) is shared between them.
     all.matrix.diagonal() *= 1 + kRidge;
     const Eigen::FullPivLU<MisfitSquare> lu(all.matrix);
     if (!lu.isInvertible()) return result;

@@ -45,7 +45,7 @@ std::vector<PhotoTerms> solve_photos(const std::vector<std::vector<MisfitNormal>
 // Without strengths.
 std::vector<PhotoMisfit> relative_misfits(const std::vector<PhotoTerms>& photos);
 
-// Of a place that no lamp reaches, in one channel; linear.
+// Of a place that no light reaches, in one channel; linear.
 struct UnlitPlace {
     float white_rho = 0, value = 0;
     int x = 0, row = 0;  // of the stripe

@@ -123,7 +123,7 @@ void find_relief(std::vector<ReliefPixel>& pixels, const std::vector<Light>& lig
 }
 
 // The light that one photograph shows, by regression with Tukey's weights.
-std::optional<ShownLight> shown_light(std::size_t photo, const std::vector<ReliefPixel>& pixels) {
+std::optional<ShownLight> per_photo_light(std::size_t photo, const std::vector<ReliefPixel>& pixels) {
     struct Sample {
         ShownUnknowns row;
         double value;
@@ -179,9 +179,9 @@ std::optional<ShownLight> shown_light(std::size_t photo, const std::vector<Relie
         side_squares += turned * turned, zenith_squares += raised * raised, ++count;
     }
     if (count < kReliefParts) return std::nullopt;
-    const double left_out = static_cast<double>(count - 1) / count;  // jackknife (Quenouille 1956)
-    return ShownLight{light->head<2>().normalized(), std::sqrt(side_squares * left_out), all.explained(),
-                      zenith_of(*light), std::sqrt(zenith_squares * left_out)};
+    const double validation = static_cast<double>(count - 1) / count;  // jackknife (Quenouille 1956)
+    return ShownLight{light->head<2>().normalized(), std::sqrt(side_squares * validation), all.explained(),
+                      zenith_of(*light), std::sqrt(zenith_squares * validation)};
 }
 
 }  // namespace tangi

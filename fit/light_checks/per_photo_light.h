@@ -32,13 +32,13 @@ struct ShownLight {
     double sigma_rad = 0;        // standard error of its angle, by leaving out a part in turn
     double explained = 0;        // [1] of what is uneven in the photograph, by the relief
     // [rad] How far from above it comes at the picture's middle, with its standard error. It hangs on what is
-    // even in the picture, and so on gloss and ambient light, which are much alike for lamps as high.
+    // even in the picture, and so on gloss and ambient light, which are much alike for lights as high.
     double zenith_rad = 0, zenith_sigma_rad = 0;
 };
 
 // Regression of one photograph on g and what varies slowly over the picture (to the second degree), with
 // Tukey's weights. Nothing where too few pixels are lit and not clipped, or the relief tells no side.
-std::optional<ShownLight> shown_light(std::size_t photo, const std::vector<ReliefPixel>& pixels);
+std::optional<ShownLight> per_photo_light(std::size_t photo, const std::vector<ReliefPixel>& pixels);
 
 // [rad] Between two directions in the picture's plane.
 double angle_between(const Eigen::Vector2d& a, const Eigen::Vector2d& b);

@@ -20,7 +20,7 @@ constexpr double kPixels = 2e5;          // of the picture that are looked at, o
 constexpr int kFewestStripes = 4;        // of blocks, from top to bottom
 constexpr float kUnlit = 0.01f;          // [1] of a matt white's light: less is none
 constexpr float kGlossy = 2;             // [1] of the matt part: more is mostly lobe
-constexpr std::size_t kSamples = 1u << 17;  // of places that no lamp reaches
+constexpr std::size_t kSamples = 1u << 17;  // of places that no light reaches
 
 // [pixels] Side of what must be unlit around a place: next to what is lit, a lens and resampling blur light
 // in.
@@ -30,7 +30,7 @@ constexpr int kUnlitBox = 3;
 struct StripePhoto {
     Image<float> predicted, measured, sigma;  // sigma: 0 where there is no matt pixel to compare
     Image<float> laplacian, blurred;          // of the prediction; by a box
-    Image<float> unlit_part;                  // 1 where no lamp reaches
+    Image<float> unlit_part;                  // 1 where no light reaches
     std::vector<UnlitPlace> unlit;
     std::vector<float> glossy;  // [sigma] measured - predicted of pixels that are not matt
 
@@ -166,7 +166,7 @@ PhotoMisfits::Kind Comparison::kind_of(const std::vector<Deviations>& photos) co
             compared > 0 ? static_cast<double>(pixels) / static_cast<double>(compared) : 0};
 }
 
-// Prediction and photograph of a row; collects what no lamp reaches.
+// Prediction and photograph of a row; collects what no light reaches.
 void Comparison::look_at_row(const Band& band, int photo, int y, StripePhoto& into) const {
     const Light& light = lighting_.lights[static_cast<std::size_t>(photo)];
     const auto white = static_cast<float>(lighting_.white_level);

@@ -1,9 +1,9 @@
 // photo_misfit.h: how each photograph differs from what the fitted surface predicts of it, and which cause
-// explains that: another focus, light of the room, a lamp that did not fire, a veil.
+// explains that: another focus, light of the room, a light that did not fire, a veil.
 //
 // In linear light, a photograph is taken for
 //   measured = (1 + gain) predicted + room W rho_d + c + blur / 2 laplacian(predicted),
-// W the white level: a lamp of another strength, light from all around, a constant, and to first order a
+// W the white level: a light of another strength, light from all around, a constant, and to first order a
 // Gaussian blur (the heat equation: Koenderink 1984, "The structure of images"). Beside these, for blurs too
 // wide for a first order, (mean of 9 x 9 pixels - predicted), whichever explains more; and what is not of
 // interest here: the shading of a light that is a little aside or uneven, and the Laplacian of the Laplacian,
@@ -39,7 +39,7 @@ struct PhotoMisfit {
     MisfitTerm room{};      // [1] of W, beside what the rig and the middling photograph have
     MisfitTerm constant{};  // [1] linear
     MisfitTerm blur{};      // [pixels^2] > 0: softer than the middling one; effect of both terms
-    double strength = 0;    // [1] of its lamp, as calibrated, gain included, over the middling photograph's
+    double strength = 0;    // [1] of its light, as calibrated, gain included, over the middling photograph's
 };
 
 struct PhotoMisfits {
@@ -52,7 +52,7 @@ struct PhotoMisfits {
     // alone, since lobes differ from the model by more than paint does.
     Kind matt{}, glossy{};
     int judged = 0;  // photographs whose causes can be told apart; those of small pictures cannot
-    // [1] Linear light on everything, black as white, in all photographs: what places that no lamp reaches
+    // [1] Linear light on everything, black as white, in all photographs: what places that no light reaches
     // have beyond what is in proportion to their rho_d. `effect`: over the brightness of the middling place.
     MisfitTerm veil{};
 };

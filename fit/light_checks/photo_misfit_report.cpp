@@ -16,7 +16,7 @@ namespace {
 // good photographs state.
 constexpr double kTells = 0.3;
 constexpr double kBeyondError = 5;  // [standard errors] on top of it: hundreds of terms are looked at
-// [1] Of the light of the middling photograph: a lamp that gives less was off.
+// [1] Of the light of the middling photograph: a light that gives less was off.
 constexpr double kOff = 0.1;
 // [1] Of the middling place's brightness. Slopes come out flatter by as much, and the fit takes half of it
 // for light of the room: this is 1 degree of 20, the error as which kTells counts.
@@ -25,14 +25,14 @@ constexpr double kVeil = 0.1;
 constexpr double kStandsOut = 3;
 constexpr double kMostlyMatt = 0.5;  // [1] of what was compared
 constexpr std::size_t kFew = 4;      // that are named
-constexpr std::size_t kFewOff = 2;   // lamps that fail in one session, at most: a guess
+constexpr std::size_t kFewOff = 2;   // lights that fail in one session, at most: a guess
 
 bool tells(const MisfitTerm& term) {
     return term.effect > kTells && std::abs(term.value) > kBeyondError * term.error;
 }
 
 bool is_off(const PhotoMisfit& photo) {
-    // Where little of the painting is lit (lamps at grazing angles), the strength is open.
+    // Where little of the painting is lit (lights at grazing angles), the strength is open.
     return photo.strength < kOff && -photo.gain.value > kBeyondError * photo.gain.error &&
            std::max(photo.gain.effect, photo.room.effect) > kTells;
 }
@@ -91,7 +91,7 @@ std::string doubt_of_room(const PhotoMisfits& misfits, const std::vector<std::st
         those_that(misfits, [](const PhotoMisfit& p) { return !is_off(p) && has_room_light(p); });
     if (which.empty()) return {};
     return fmt::format(
-        "{} of {} photographs have light that is not their lamp's, as where the lights of the room were on "
+        "{} of {} photographs have light that is not their light's, as where the lights of the room were on "
         "(of what a white sheet would show; the others have none): {}. Leave them out, or take them again in "
         "the dark",
         which.size(), names.size(),
@@ -108,14 +108,14 @@ bool tells_causes(const PhotoMisfits& misfits) {
     return !is_in_matt_paint(misfits) && misfits.matt.part >= kMostlyMatt;
 }
 
-void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& names,
-                   std::vector<std::string>& doubts) {
+void add_lights_off(const PhotoMisfits& misfits, const std::vector<std::string>& names,
+                    std::vector<std::string>& doubts) {
     const std::vector<std::size_t> off = those_that(misfits, is_off);
     if (off.size() > kFewOff) {
         doubts.push_back(
-            fmt::format("{} of {} photographs show next to none of the light that their lamps should give: "
+            fmt::format("{} of {} photographs show next to none of the light that their lights should give: "
                         "{}. Look whether the lights are listed in the order of the photographs; or these "
-                        "lamps did not fire, and the "
+                        "lights did not fire, and the "
                         "photographs are to be left out",
                         off.size(), names.size(),
                         list_of(
@@ -129,12 +129,13 @@ void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& 
     for (const std::size_t i : off) {
         const PhotoMisfit& photo = misfits.photos[i];
         doubts.push_back(fmt::format(
-            "{}: shows {:.2f} ± {:.2f} of the light that its lamp should give{}: leave it out of the lights "
+            "{}: shows {:.2f} ± {:.2f} of the light that its light should give{}: leave it out of the lights "
             "file, or take it again",
             names[i], std::max(photo.strength, 0.0), photo.gain.error,
-            tells(photo.room) ? ", and light of the room: the lamp did not fire"
-                              : ", and nothing else of the painting: it is a dark frame, or the lamp did not "
-                                "fire"));
+            tells(photo.room)
+                ? ", and light of the room: the light did not fire"
+                : ", and nothing else of the painting: it is a dark frame, or the light did not "
+                  "fire"));
     }
 }
 
@@ -142,7 +143,7 @@ void add_lamps_off(const PhotoMisfits& misfits, const std::vector<std::string>& 
 
 std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vector<std::string>& names) {
     std::vector<std::string> doubts;
-    add_lamps_off(misfits, names, doubts);
+    add_lights_off(misfits, names, doubts);
     if (!tells_causes(misfits)) return doubts;
     const MisfitTerm& veil = misfits.veil;
     const bool veiled = veil.effect > kVeil && veil.value > kBeyondError * veil.error;
@@ -152,9 +153,9 @@ std::vector<std::string> doubts_of(const PhotoMisfits& misfits, const std::vecto
         if (!doubt.empty()) doubts.push_back(std::move(doubt));
     if (veiled)
         doubts.push_back(fmt::format(
-            "all photographs have a veil: where no lamp reaches, they show {:.3f} ± {:.3f} more than is in "
+            "all photographs have a veil: where no light reaches, they show {:.3f} ± {:.3f} more than is in "
             "proportion to the paint ({:.0f} % of the middling brightness). Light scattered in the lens "
-            "(clean it, keep lamps out of its sight), a black level that was not taken off, or a window do "
+            "(clean it, keep lights out of its sight), a black level that was not taken off, or a window do "
             "that; "
             "slopes come out too flat",
             veil.value, veil.error, 100 * veil.effect));

@@ -272,7 +272,7 @@ std::vector<TurnedPhoto> turned_photos(const Survey& survey, const std::vector<L
     return turned;
 }
 
-std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<LeftOut>& left_out) {
+std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<RejectedPhoto>& rejected) {
     const std::size_t all = stack.photos.size();
     const std::vector<TurnedPhoto> turned =
         turned_photos(survey, stack.lights(), stack.width(), stack.height());
@@ -283,7 +283,7 @@ std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<LeftOut>&
         const std::string& name = stack.photos[photo.photo].light.name;
         keep[photo.photo] = false;
         names.push_back(name);
-        left_out.push_back(
+        rejected.push_back(
             {name, fmt::format("{}/{}: is {} against most of the others; turn it back, or set its "
                                "EXIF orientation right",
                                stack.folder.string(), name, in_words(photo.pose))});
@@ -295,7 +295,7 @@ std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<LeftOut>&
         "their EXIF orientation right",
         stack.folder.string(), turned.size(), all, alike ? in_words(turned[0].pose) : "turned or mirrored",
         joined(names));
-    stack.warnings.push_back(what + "; left out");
+    stack.warnings.push_back(what + "; rejected");
     keep_photos(stack, survey, keep);
     if (kAllButThird * turned.size() < all) return {};
     return what + ". They are so many that the others may be those that are wrong";

@@ -39,6 +39,6 @@ std::vector<TurnedPhoto> turned_photos(const Survey& survey, const std::vector<L
 // Takes them out of the stack and the survey, with a warning that names them. Returns why the result is
 // doubtful where they are a third of all or more, since the others may be the ones that are turned; else
 // nothing.
-std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<LeftOut>& left_out);
+std::string leave_out_turned(Stack& stack, Survey& survey, std::vector<RejectedPhoto>& rejected);
 
 }  // namespace tangi

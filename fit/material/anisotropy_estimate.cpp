@@ -26,11 +26,11 @@ constexpr double kPriorSigma = 0.5;            // [1] of both numbers, around 0
 constexpr double kStretchSpread = 0.1;         // [1] of what a pixel says: other lobes than Ward's
 constexpr double kWidestStretched = 0.6;       // [1] alpha from which on a lobe may be diffuse light
 constexpr double kLeastGloss = 0.005;          // [1] rho_s from which on there is a lobe
-// [1] Stretch below which a lobe is not drawn out: relief finer than a pixel.
+// [1] Stretch below which a lobe is not anisotropic: relief finer than a pixel.
 constexpr float kClearStretch = 0.1f;
 constexpr int kLooksApart = 3;                     // [pixels] at most, between those that say how pixels look
 constexpr int kNextAsked = 1, kFarthestAsked = 3;  // [asked pixels] how far neighbours are asked
-constexpr double kOthers2 = 30;  // [1] squared, in standard errors: what is drawn out some other way
+constexpr double kOthers2 = 30;  // [1] squared, in standard errors: what is anisotropic some other way
 constexpr float kAlikeStretched = 0.1f,
                 kAlikeStretchedFloor = 0.04f;  // [1] relative difference of looks that are others, and noise
 constexpr int kStretchIterations = 15;         // what is not found by then is told by neighbours
@@ -112,8 +112,8 @@ PixelSamples with_model_error(const PixelSamples& given, const WardEstimate& e, 
     return s;
 }
 
-// The cheapest of a lobe that is drawn out one way or another, at the estimate.
-Start drawn_out_start(const WardResiduals& residuals, const Start& plain) {
+// The cheapest of a lobe that is anisotropic one way or another, at the estimate.
+Start anisotropic_start(const WardResiduals& residuals, const Start& plain) {
     Start best = plain;
     double least = std::numeric_limits<double>::infinity();
     for (const double s : kStarts)
@@ -176,7 +176,7 @@ EvenPlaces every_so_many(int pixels, int apart) {
     return {(pixels - 1 - (count - 1) * apart) / 2, apart, count};
 }
 
-// Whether a neighbour is drawn out as the mean of those next to a pixel, by both their errors: 1 to 0.
+// Whether a neighbour is anisotropic as the mean of those next to a pixel, by both their errors: 1 to 0.
 double agreement(const StretchEvidence& neighbour, const StretchEvidence& mean) {
     const glm::dvec2 off = neighbour.stretch - mean.stretch;
     const glm::dmat2 covariance = glm::inverse(neighbour.information) + glm::inverse(mean.information);
@@ -193,8 +193,8 @@ double alikeness(const Rgb& other, const Rgb& look) {
 }
 
 // What those around one that is asked say together: the ones that look like it and, of those farther away,
-// are drawn out as the ones next to it.
-StretchEvidence pooled(const Surface& s, const Image<StretchEvidence>& evidence, const AskedPixels& asked,
+// are anisotropic as the ones next to it.
+StretchEvidence pooled(const Surface& s, const Image<StretchEvidence>& evidence, const SampledPixels& asked,
                        int i, int j) {
     const Rgb look = look_at(s, asked.x.at(i), asked.y.at(j));
     const auto mean = [&](int reach, const StretchEvidence& near) {
@@ -218,7 +218,7 @@ StretchEvidence pooled(const Surface& s, const Image<StretchEvidence>& evidence,
 
 // How those that say how pixels look do, each the median of itself and the four next to it: where a glint or
 // a crack was fitted badly, it looks like nothing around. Not a number where nothing was measured.
-Image<Rgb> looks_of(const Surface& s, const AskedPixels& asked) {
+Image<Rgb> looks_of(const Surface& s, const SampledPixels& asked) {
     const int columns = asked.look_x.count, rows = asked.look_y.count;
     Image<Rgb> looks(columns, rows, Rgb(std::numeric_limits<float>::quiet_NaN()));
     parallel_for(0, rows, 16, [&](int begin, int end) {
@@ -249,14 +249,14 @@ Image<Rgb> looks_of(const Surface& s, const AskedPixels& asked) {
     return looks;
 }
 
-// An asked pixel beside another one: how it is drawn out, and how much it counts there.
+// An asked pixel beside another one: how it is anisotropic, and how much it counts there.
 struct Beside {
     Stretch stretch;
     float weight;
 };
 
 // Their mean, or, where there are two kinds of them, that of the kind that has more weight: none where most
-// are not drawn out.
+// are not anisotropic.
 Stretch mode_of(std::span<const Beside> beside) {
     float all = 0, plain = 0;
     for (const auto& [stretch, weight] : beside) {
@@ -286,23 +286,23 @@ StretchEvidence stretch_evidence(const PixelSamples& given, const WardEstimate& 
                                  const WardFitOptions& options) {
     if (e.roughness > kWidestStretched || e.specular < kLeastGloss) return {};
     const PixelSamples samples = with_model_error(given, e, options.model_error);
-    const WardResiduals residuals(samples, options.prior, options.robust_scale, options.law);
+    const WardResiduals residuals(samples, options.prior, options.robust_scale, options.reflectance_model);
     const StretchFunction function(residuals, options.bounds);
     Start plain{.theta = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular, 0, 0, 0}};
     for (int c = 0; c < 3; ++c) plain.theta[static_cast<std::size_t>(kWardCommon + c)] = e.diffuse[c];
-    Start drawn_out = drawn_out_start(residuals, plain);
-    const double cost = solve(function, options.bounds, kStretchIterations, drawn_out);
-    if (solve(function, options.bounds, kStretchIterations, plain) <= cost) drawn_out = plain;
+    Start anisotropic = anisotropic_start(residuals, plain);
+    const double cost = solve(function, options.bounds, kStretchIterations, anisotropic);
+    if (solve(function, options.bounds, kStretchIterations, plain) <= cost) anisotropic = plain;
     const auto used =
         std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double v) { return v > 0; });
-    return evidence_at(function, drawn_out, static_cast<int>(used));
+    return evidence_at(function, anisotropic, static_cast<int>(used));
 }
 
 Stretch stretch_of(const StretchEvidence& evidence) {
     constexpr double prior = 1 / (kPriorSigma * kPriorSigma);
     const glm::dmat2 covariance = glm::inverse(evidence.information + glm::dmat2(prior));
     const Stretch mean(covariance * (evidence.information * evidence.stretch));
-    // As lobe_colour_of(): what is small is nothing, what is large is kept.
+    // As specular_colour_of(): what is small is nothing, what is large is kept.
     const float doubt2 = square(kClearStretch) + 2 * static_cast<float>(covariance[0][0] + covariance[1][1]);
     const float kept = std::max(1 - doubt2 / std::max(glm::dot(mean, mean), 1e-12f), 0.0f);
     const Stretch shrunk = kept * mean;
@@ -310,7 +310,7 @@ Stretch stretch_of(const StretchEvidence& evidence) {
     return s > static_cast<float>(kMostStretch) ? shrunk * (static_cast<float>(kMostStretch) / s) : shrunk;
 }
 
-AskedPixels asked_pixels(int width, int height) {
+SampledPixels sampled_pixels(int width, int height) {
     // Odd multiples of odd distances: else what is in the middle is not the same from both ends.
     const int least =
         std::max(static_cast<int>(std::ceil(std::sqrt(static_cast<double>(width) * height / kAsked))), 1);
@@ -325,7 +325,7 @@ AskedPixels asked_pixels(int width, int height) {
 }
 
 Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence) {
-    const AskedPixels asked = asked_pixels(s.width(), s.height());
+    const SampledPixels asked = sampled_pixels(s.width(), s.height());
     constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
     Image<Stretch> told(asked.x.count, asked.y.count, Stretch(nothing));
     parallel_for(0, asked.y.count, 1, [&](int begin, int end) {
@@ -344,7 +344,7 @@ Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& ev
     const auto end_of = [&](const EvenPlaces& places, int i, int pixels) {
         return i == places.count - 1 ? pixels : begin_of(places, i + 1);
     };
-    const auto nearness = [](const EvenPlaces& places, int i, int at) {
+    const auto inverse_distance = [](const EvenPlaces& places, int i, int at) {
         const float off = static_cast<float>(std::abs(places.at(i) - at)) / static_cast<float>(places.apart);
         return square(square(std::max(1 - off / kFarthestAsked, 0.0f)));
     };
@@ -362,7 +362,7 @@ Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& ev
                      v <= std::min(v0 + kFarthestAsked, asked.y.count - 1); ++v)
                     for (int u = std::max(u0 - kFarthestAsked, 0);
                          u <= std::min(u0 + kFarthestAsked, asked.x.count - 1); ++u) {
-                        const float near = nearness(asked.x, u, x) * nearness(asked.y, v, y);
+                        const float near = inverse_distance(asked.x, u, x) * inverse_distance(asked.y, v, y);
                         if (!(near > 0) || std::isnan(told(u, v).x)) continue;
                         const double alike = alikeness(look_at(s, asked.x.at(u), asked.y.at(v)), look);
                         if (alike > 0) beside.push_back({told(u, v), near * static_cast<float>(alike)});

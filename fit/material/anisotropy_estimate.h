@@ -1,4 +1,4 @@
-// anisotropy_estimate.h: what photographs say of how a pixel's lobe is drawn out
+// anisotropy_estimate.h: what photographs say of how a pixel's lobe is anisotropic
 // (surface/reflectance/anisotropy.h).
 //
 // Brushed or burnished metal, and varnish along a canvas' threads, reflect further across the grooves than
@@ -22,7 +22,7 @@ struct StretchEvidence {
     glm::dmat2 information{0};
 };
 
-// Of samples whose estimate had a white lobe that is not drawn out. Least squares
+// Of samples whose estimate had a white lobe that is not anisotropic. Least squares
 // of ward_residual.h over all parameters and the stretch, from the best of a few directions and from none.
 StretchEvidence stretch_evidence(const PixelSamples& samples, const WardEstimate& estimate,
                                  const WardFitOptions& options);
@@ -41,17 +41,17 @@ struct EvenPlaces {
     bool has(int x) const { return x >= first && x <= at(count - 1) && (x - first) % apart == 0; }
 };
 
-// Which pixels of a picture are asked how their lobes are drawn out: about this many at most, however large
+// Which pixels of a picture are asked how their lobes are anisotropic: about this many at most, however large
 // it is.
 constexpr double kAsked = 30000;
-struct AskedPixels {
+struct SampledPixels {
     EvenPlaces x, y;            // in columns and rows of these
     EvenPlaces look_x, look_y;  // these, and pixels between them, say how pixels look
 };
-AskedPixels asked_pixels(int width, int height);
+SampledPixels sampled_pixels(int width, int height);
 
 // Stretches of all pixels from evidence of those that are asked: each with the neighbours that look like it
-// and are drawn out as those next to it, so that what is brushed one way and what is brushed another keep
+// and are anisotropic as those next to it, so that what is brushed one way and what is brushed another keep
 // the line between them. Of the surface diffuse, specular and confidence are read, of pixels that say how
 // pixels look; those between look as the nearest. The same bits on any number of threads.
 Image<Stretch> lobe_stretches(const Surface& surface, const Image<StretchEvidence>& evidence);

@@ -75,7 +75,7 @@ struct Mean {
 
 }  // namespace
 
-SlopePriors::Prior SlopePriors::prior_of(int x, int y) const {
+IntegrabilityPriors::Prior IntegrabilityPriors::prior_of(int x, int y) const {
     const Surface& s = surface_;
     if (!(s.confidence(x, y) > 0)) return {};
     const float mixed = kMixed * spread_around(s, x, y);
@@ -98,7 +98,7 @@ SlopePriors::Prior SlopePriors::prior_of(int x, int y) const {
     return {along_x.value(), along_y.value(), along_x.information, along_y.information};
 }
 
-void SlopePriors::advance(int y0, int y1) {
+void IntegrabilityPriors::advance(int y0, int y1) {
     TP_REQUIRE(y0 >= first_ && y0 <= end_ && y0 <= y1 && y1 <= surface_.height(), "rows in their order");
     const auto width = static_cast<std::size_t>(surface_.width());
     priors_.erase(priors_.begin(), priors_.begin() + static_cast<std::ptrdiff_t>(
@@ -115,7 +115,7 @@ void SlopePriors::advance(int y0, int y1) {
     });
 }
 
-void SlopePriors::add_to(int x, int y, WardPrior& prior) const {
+void IntegrabilityPriors::add_to(int x, int y, WardPrior& prior) const {
     TP_REQUIRE(y >= first_ && y < end_, "a row that is known");
     const Prior& p =
         priors_[static_cast<std::size_t>(y - first_) * static_cast<std::size_t>(surface_.width()) +

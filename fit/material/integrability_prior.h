@@ -18,9 +18,9 @@ namespace tangi {
 // Rows are gone through from top to bottom and may be overwritten once they have been used, as with
 // LobePriors: what is kept is memory for a few rows. Keeps a reference to the surface, whose height has had
 // `plane` taken off.
-class SlopePriors {
+class IntegrabilityPriors {
 public:
-    SlopePriors(const Surface& surface, const Plane& plane) : surface_(surface), plane_(plane) {}
+    IntegrabilityPriors(const Surface& surface, const Plane& plane) : surface_(surface), plane_(plane) {}
 
     // From now on add_to() knows rows y0 <= y < y1, and of the surface rows y < y1 may be overwritten, apart
     // from the height. y0 must be what y1 was before, 0 at first.

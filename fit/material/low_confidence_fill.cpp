@@ -62,7 +62,7 @@ Neighbours neighbours_of(const Surface& s, int x, int y) {
 
 }  // namespace
 
-void borrow_from_around(Surface& s) {
+void fill_low_confidence(Surface& s) {
     // Only what is sure is looked at, and only the rest is changed.
     parallel_for(0, s.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)

@@ -10,7 +10,7 @@ namespace tangi {
 
 namespace {
 
-// Of paint in the shade that passes for a black mirror (generated stacks of thick paint, lamps low and few):
+// Of paint in the shade that passes for a black mirror (generated stacks of thick paint, lights low and few):
 // rho_d next to 0, rho_s 0.1 to 1, alpha 0.06 to 0.25. Metal leaf is as bright as what is around it, or has
 // wider lobes (real/leaf: alpha 0.46 and more where it is dark).
 constexpr float kDarkPart = 0.3f;   // [1] rho_d over the mean around
@@ -54,19 +54,19 @@ bool may_be_misread(const Surface& s, int x, int y) {
 
 }  // namespace
 
-Image<unsigned char> find_crevices(const Surface& surface) {
-    Image<unsigned char> crevices(surface.width(), surface.height());
+Image<unsigned char> find_occluded_pixels(const Surface& surface) {
+    Image<unsigned char> occluded(surface.width(), surface.height());
     parallel_for(0, surface.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
-            for (int x = 0; x < surface.width(); ++x) crevices(x, y) = may_be_misread(surface, x, y);
+            for (int x = 0; x < surface.width(); ++x) occluded(x, y) = may_be_misread(surface, x, y);
     });
-    return crevices;
+    return occluded;
 }
 
-std::vector<float> distrust(const Image<unsigned char>& crevices, Surface& surface) {
+std::vector<float> distrust(const Image<unsigned char>& occluded, Surface& surface) {
     std::vector<float> before;
-    for (std::size_t i = 0; i < crevices.size(); ++i) {
-        if (!crevices.pixels()[i]) continue;
+    for (std::size_t i = 0; i < occluded.size(); ++i) {
+        if (!occluded.pixels()[i]) continue;
         float& confidence = surface.confidence.pixels()[i];
         before.push_back(confidence);
         confidence = std::min(confidence, kDistrust);
@@ -74,24 +74,24 @@ std::vector<float> distrust(const Image<unsigned char>& crevices, Surface& surfa
     return before;
 }
 
-void trust_again(const Image<unsigned char>& crevices, const std::vector<float>& confidences,
+void trust_again(const Image<unsigned char>& occluded, const std::vector<float>& confidences,
                  Surface& surface) {
     auto before = confidences.begin();
-    for (std::size_t i = 0; i < crevices.size(); ++i)
-        if (crevices.pixels()[i]) surface.confidence.pixels()[i] = *before++;
+    for (std::size_t i = 0; i < occluded.size(); ++i)
+        if (occluded.pixels()[i]) surface.confidence.pixels()[i] = *before++;
 }
 
-void stand_in(const Image<unsigned char>& crevices, Surface& s, FitErrors& errors) {
-    // Only what is not a crevice is looked at, and only crevices are changed.
+void fill_from_neighbours(const Image<unsigned char>& occluded, Surface& s, FitErrors& errors) {
+    // Only what is not a occluded pixel is looked at, and only occluded pixels are changed.
     parallel_for(0, s.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < s.width(); ++x) {
-                if (!crevices(x, y)) continue;
+                if (!occluded(x, y)) continue;
                 errors.specular(x, y) = errors.roughness(x, y) = kNoWitness;
                 float weights = 0, specular = 0, roughness = 0;
                 Rgb diffuse(0);
                 for_around(s, x, y, kBeside, 1, [&](int u, int v) {
-                    if (crevices(u, v) || !(s.confidence(u, v) > 0)) return;
+                    if (occluded(u, v) || !(s.confidence(u, v) > 0)) return;
                     const auto dx = static_cast<float>(u - x), dy = static_cast<float>(v - y);
                     const float weight = s.confidence(u, v) / (1 + dx * dx + dy * dy);
                     weights += weight;

@@ -14,9 +14,9 @@ constexpr int kReweightings = 5;
 constexpr double kSpread = 0.05;     // [1] of rho_s,c, relative: what one Gaussian leaves open
 constexpr double kWidest = 0.4;      // [1] alpha from which on a lobe may be diffuse light, and of its colour
 constexpr double kWhiteSigma = 0.5;  // [1] of the prior, around white
-// [1] Deviation from white below which a lobe is white: unequal lamps and tone curves make as much.
+// [1] Deviation from white below which a lobe is white: unequal lights and tone curves make as much.
 constexpr float kClear = 0.1f;
-constexpr float kLeastColour = 0.02f;  // [1] whiten() divides by it
+constexpr float kLeastColour = 0.02f;  // [1] divide_by_specular_colour() divides by it
 // [1] Part of the matt reflectance that may pass for a lobe: no paint is Lambert's, and where a file keeps
 // little of chroma, highlights have the hue of what is below. Neighbours share it: it does not average out.
 constexpr float kMattInLobe = 0.15f;
@@ -78,9 +78,9 @@ SolvedColour solve_channel(const PixelSamples& s, const std::vector<WardTerms>& 
             const double l = s.irradiance[at] * terms[photo].lobe;
             const double predicted = result.diffuse * d + result.specular * l;
             if (iteration > 0 && s.sigma[at] < 0 && predicted >= s.value[at]) continue;
-            const double left_out = model_error * std::max(result.diffuse * d, s.value[at]);
+            const double validation = model_error * std::max(result.diffuse * d, s.value[at]);
             const double shadow = (1 - s.visible[photo]) * result.diffuse * d;
-            const double variance = s.sigma[at] * s.sigma[at] + left_out * left_out + shadow * shadow;
+            const double variance = s.sigma[at] * s.sigma[at] + validation * validation + shadow * shadow;
             const double off = predicted - s.value[at], r2 = off * off / variance;
             const double robust = iteration > 0 ? 1 / (1 + r2 / (robust_scale * robust_scale)) : 1;
             sums.add(robust / variance, d, l, s.value[at]);
@@ -106,7 +106,7 @@ LobeEvidence lobe_evidence(const PixelSamples& s, const WardEstimate& e, const W
     const double theta[kWardCommon] = {e.slope.x, e.slope.y, std::log(e.roughness), e.specular};
     std::vector<WardTerms> terms;
     for (const glm::dvec3& light : s.light)
-        terms.push_back(ward_terms(theta, light, s.view, options.law, e.stretch));
+        terms.push_back(ward_terms(theta, light, s.view, options.reflectance_model, e.stretch));
     glm::dvec3 diffuse(0), specular(0);
     double variance = 0;
     for (int c = 0; c < 3; ++c) {
@@ -123,7 +123,7 @@ LobeEvidence lobe_evidence(const PixelSamples& s, const WardEstimate& e, const W
             static_cast<float>(glm::length(hue) / mean)};
 }
 
-Rgb lobe_colour_of(const LobeEvidence& evidence) {
+Rgb specular_colour_of(const LobeEvidence& evidence) {
     constexpr auto prior = static_cast<float>(1 / (kWhiteSigma * kWhiteSigma));
     const Rgb colour = (evidence.weight * evidence.colour + prior) / (evidence.weight + prior);
     // The positive part of James and Stein's estimator: what is small is nothing, what is large is kept. What
@@ -138,7 +138,7 @@ Rgb lobe_colour_of(const LobeEvidence& evidence) {
     return glm::max(shrunk / std::max({shrunk.r, shrunk.g, shrunk.b}), Rgb(kLeastColour));
 }
 
-Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
+Image<Rgb> specular_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
     Image<Rgb> colours(s.width(), s.height(), Rgb(1));
     parallel_for(0, s.height(), 4, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
@@ -165,13 +165,13 @@ Image<Rgb> lobe_colours(const Surface& s, const Image<LobeEvidence>& evidence) {
                         weight += w;
                     }
                 if (weight > 0)
-                    colours(x, y) = lobe_colour_of({sum / weight, kIndependent * weight, hue / weight});
+                    colours(x, y) = specular_colour_of({sum / weight, kIndependent * weight, hue / weight});
             }
     });
     return colours;
 }
 
-void whiten(const Rgb& colour, PixelSamples& s) {
+void divide_by_specular_colour(const Rgb& colour, PixelSamples& s) {
     if (colour == Rgb(1)) return;
     const Rgb crosstalk = crosstalk_of(colour);
     for (std::size_t first = 0; first + 2 < s.value.size(); first += 3) {
@@ -189,7 +189,7 @@ WardEstimate coloured(WardEstimate e, const Rgb& colour) {
     const glm::dvec3 c(colour);
     e.diffuse *= c;
     e.diffuse_error *= glm::length(c) / std::sqrt(3.0);
-    e.lobe_colour = c;
+    e.specular_colour = c;
     return e;
 }
 

@@ -8,7 +8,7 @@
 //
 // A lobe of a known colour needs no solver of its own: in
 //   E_c (rho_d,c (D + k) + rho_s colour_c Lambda) = E_c colour_c (rho_d,c / colour_c (D + k) + rho_s Lambda)
-// the photographs are those of a white lobe and another rho_d under lamps of another colour.
+// the photographs are those of a white lobe and another rho_d under lights of another colour.
 #pragma once
 
 #include "capture/stack/pixel_samples.h"
@@ -29,30 +29,31 @@ struct LobeEvidence {
 LobeEvidence lobe_evidence(const PixelSamples& samples, const WardEstimate& estimate,
                            const WardFitOptions& options);
 
-// [1] What evidence comes to, as Surface::lobe_colour: the largest channel 1; white unless it clearly is not,
-// and beyond what the matt part explains.
-Rgb lobe_colour_of(const LobeEvidence& evidence);
+// [1] What evidence comes to, as Surface::specular_colour: the largest channel 1; white unless it clearly is
+// not, and beyond what the matt part explains.
+Rgb specular_colour_of(const LobeEvidence& evidence);
 
 // The same of all pixels, each with the neighbours that look like it (as kLobeReach of
 // lobe_neighbour_prior.h). Of the surface diffuse and specular are read. The same bits on any number of
 // threads.
-Image<Rgb> lobe_colours(const Surface& surface, const Image<LobeEvidence>& evidence);
+Image<Rgb> specular_colours(const Surface& surface, const Image<LobeEvidence>& evidence);
 
 // [1] Part of the strongest channel that filters, chroma of compressed pictures and the clipping of colours
 // out of gamut let into the others: of no account in paint, but a saturated highlight is told by channels
 // that are nearly 0.
 constexpr double kCrosstalk = 0.02;
 
-// Changes the lamps' colours, so that a lobe of this colour is a white one, and allows for crosstalk where it
-// lacks something; no channel of it may be 0.
-void whiten(const Rgb& lobe_colour, PixelSamples& samples);
+// Changes the lights' colours, so that a lobe of this colour is a white one, and allows for crosstalk where
+// it lacks something; no channel of it may be 0.
+void divide_by_specular_colour(const Rgb& specular_colour, PixelSamples& samples);
 
-// [1] What whiten() adds to the standard deviation of each channel for a strongest value of 1.
-inline Rgb crosstalk_of(const Rgb& lobe_colour) {
-    return static_cast<float>(kCrosstalk) * (Rgb(1) - lobe_colour);
+// [1] What divide_by_specular_colour() adds to the standard deviation of each channel for a strongest value
+// of 1.
+inline Rgb crosstalk_of(const Rgb& specular_colour) {
+    return static_cast<float>(kCrosstalk) * (Rgb(1) - specular_colour);
 }
 
 // The estimate of samples that were changed so, as of what they were.
-WardEstimate coloured(WardEstimate whitened, const Rgb& lobe_colour);
+WardEstimate coloured(WardEstimate divided_by_specular_colour, const Rgb& specular_colour);
 
 }  // namespace tangi

@@ -15,7 +15,7 @@ namespace {
 constexpr int kFewestPatches = 9;    // in the picture, for the chart to say anything
 constexpr double kInner = 0.5;       // [1] of a patch's width that is read
 constexpr int kGrid = 9;             // places across it
-constexpr double kLowest = 0.2;      // [1] sine of a lamp's elevation, below which it tells no brightness
+constexpr double kLowest = 0.2;      // [1] sine of a light's elevation, below which it tells no brightness
 constexpr int kLargestSide = 20000;  // [px] of the chart's surroundings
 constexpr double kDarkest = 0.03;    // [1] luminance from which on a patch tells brightness
 
@@ -74,13 +74,13 @@ Region around_chart(const Stack& stack, const CaptureColour::Chart& chart) {
 
 Lighting as_camera_sees(Lighting lighting, const Stack& stack) {
     if (stack.colour)
-        for (Light& light : lighting.lights) light.gain *= Rgb(stack.colour->lamp());
+        for (Light& light : lighting.lights) light.gain *= Rgb(stack.colour->light());
     return lighting;
 }
 
 Rgb light_of_gain(const Rgb& gain, const Stack& stack) {
     if (!stack.colour) return gain;
-    return glm::max(Rgb(glm::inverse(stack.colour->to_camera) * (stack.colour->lamp() * glm::dvec3(gain))),
+    return glm::max(Rgb(glm::inverse(stack.colour->to_camera) * (stack.colour->light() * glm::dvec3(gain))),
                     Rgb(1e-3f));
 }
 

@@ -1,7 +1,7 @@
 // chart_correction.h: what a colour chart that was photographed with the painting does to a fit: colours
 // become colorimetric, and reflectance absolute.
 //
-// The fit works in the photographs' channels, each divided by what the camera sees of the lamps' light, so
+// The fit works in the photographs' channels, each divided by what the camera sees of their light, so
 // that matt white and highlights are the same in all channels. rho_d then becomes M rho_d with the chart's
 // matrix, and Photography::to_camera is the way back.
 #pragma once
@@ -25,14 +25,14 @@ struct ColourReport {
 };
 
 // [1] The linear value of a matt white that faces a light of gain 1, by the chart's patches in all
-// photographs and where their lamps are: the median over both, so that shadows and highlights do not matter.
+// photographs and where their lights are: the median over both, so that shadows and highlights do not matter.
 // The chart is taken to lie flat in the painting's plane; it need not be in the picture that is fitted, but
 // in the photographs. `lighting` has the lights of stack.photos, whose gains are settled. Nothing without a
 // chart, or where fewer than 9 patches can be read.
 std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& transfer,
                                            const Lighting& lighting, double mm_per_pixel);
 
-// The lamps as the camera sees them; as they are where there is no chart.
+// The lights as the camera sees them; as they are where there is no chart.
 Lighting as_camera_sees(Lighting lighting, const Stack& stack);
 
 // What a light is in linear Rec. 709 that gives the camera's channels these gains; the same where there is no

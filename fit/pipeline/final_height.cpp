@@ -39,14 +39,14 @@ SlopeEdges edges_of(const Surface& surface, const Image<Vec3>& normal, const Hei
 // `steeper`: empty where slopes were integrated as they are. Errors stay those of the height that the slopes
 // lead to: this one is nearer to the truth (fit_tests --gtest_filter='HeightCoverage.*').
 void carve(Surface& surface, const Lighting& lighting, const HeightOptions& options,
-           const Image<Vec3>& steeper, const LampsSeen& lamps, const std::function<double()>& misfit,
+           const Image<Vec3>& steeper, const LightVisibility& lights, const std::function<double()>& misfit,
            FinalHeight& result, const Progress& progress) {
     const SlopeEdges edges =
         edges_of(surface, steeper.empty() ? surface.normal : steeper, options, result.choice, result.plane);
     HeightChoice& choice = result.choice;
     const double then = misfit();
     Image<float> before = surface.height_mm;
-    choice.carved = carve_shadows(lamps, lighting, edges, surface, progress);
+    choice.carved = carve_shadows(lights, lighting, edges, surface, progress);
     if (choice.carved.contradicted == 0) return;
     const Plane plane = best_plane(surface.height_mm, surface.confidence);
     subtract(plane, surface.height_mm);
@@ -72,7 +72,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
     Image<Vec3> steeper;  // empty: slopes as they are
     const auto take = [&](double mixing) {
         choice.mixing = mixing;
-        steeper = mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
+        steeper = mixing > 0 ? steepened_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
     };
     const auto with_sweeps = [&](int robust_sweeps) {
         HeightOptions height = options;
@@ -92,7 +92,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
         result.report =
             integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
                               surface.mm_per_pixel, surface.height_mm, height, shown,
-                              {.error_mm = errors, .unmixed = !steeper.empty(), .resumes = resumes});
+                              {.error_mm = errors, .steepened = !steeper.empty(), .resumes = resumes});
         result.plane = best_plane(surface.height_mm, surface.confidence);
         subtract(result.plane, surface.height_mm);
     };
@@ -159,8 +159,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
             std::swap(surface.height_mm, before);
     }
     before = {};
-    if (evidence.lamps && !evidence.lamps->empty())
-        carve(surface, lighting, options, steeper, *evidence.lamps, misfit, result, progress);
+    if (evidence.lights && !evidence.lights->empty())
+        carve(surface, lighting, options, steeper, *evidence.lights, misfit, result, progress);
     return result;
 }
 
@@ -168,15 +168,15 @@ nlohmann::json to_json(const HeightChoice& choice) {
     nlohmann::json trials = nlohmann::json::array();
     for (const HeightChoice::Trial& trial : choice.trials)
         trials.push_back({{"cliffs", trial.cliffs},
-                          {"slope_mixing", trial.mixing},
+                          {"subpixel_slope_bias", trial.mixing},
                           {"before_refining", trial.before_refining},
                           {"shadow_misfit", trial.shadow_misfit}});
     return {{"cliffs", choice.cliffs},
-            {"slope_mixing", choice.mixing},
+            {"subpixel_slope_bias", choice.mixing},
             {"before_refining", choice.before_refining},
             {"carved", choice.carving_kept},
-            {"lamps_seen",
-             {{"all", choice.carved.lamps},
+            {"light_visibility",
+             {{"all", choice.carved.lights},
               {"contradicted_before", choice.carved.contradicted},
               {"contradicted", choice.carved.left}}},
             {"tried", trials}};

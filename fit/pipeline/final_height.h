@@ -18,8 +18,8 @@ namespace tangi {
 // Which height it is, and what shadows said of it.
 struct HeightChoice {
     bool cliffs = false;  // the height may have cliffs (HeightOptions::robust_sweeps)
-    double mixing = 0;    // [1] of unmixed_normals(); 0: slopes were integrated as they are
-    // It is the height that hid lamps in the second pass, though that left other slopes.
+    double mixing = 0;    // [1] of steepened_normals(); 0: slopes were integrated as they are
+    // It is the height that hid lights in the second pass, though that left other slopes.
     bool before_refining = false;
     struct Trial {
         bool cliffs;
@@ -27,7 +27,7 @@ struct HeightChoice {
         bool before_refining;
         double shadow_misfit;  // [1] shadow_misfit(), less is better
     };
-    CarveReport carved{};         // by all shadows that were seen, last; 0 lamps where none were
+    CarveReport carved{};         // by all shadows that were seen, last; 0 lights where none were
     bool carving_kept = false;    // whether the height is that
     std::vector<Trial> trials{};  // in this order; where shadows do not tell, none but of a refined fit
 };
@@ -41,11 +41,11 @@ struct FinalHeight {
 // What photographs' shadows are good for.
 struct HeightEvidence {
     bool shadows_tell = false;  // the model explains the photographs, and what it does not is shadow
-    // surface.height_mm is the height that hid lamps in the second pass, and is compared: where a cliff
+    // surface.height_mm is the height that hid lights in the second pass, and is compared: where a cliff
     // stands, the first pass takes its shadow for slopes that lead up to it, the second for shadow, and no
     // slope shows the cliff any more.
     bool refined = false;
-    const LampsSeen* lamps = nullptr;  // in the second pass
+    const LightVisibility* lights = nullptr;  // in the second pass
 };
 
 // Fills in surface.height_mm less its plane, and its standard errors (those of slopes). Where `shadows_tell`,
@@ -59,7 +59,7 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
                          const HeightEvidence& evidence, Image<HalfError>* error_mm,
                          const Progress& progress);
 
-// {"cliffs", "slope_mixing", "before_refining", "carved", "lamps_seen": {"all", "contradicted_before",
+// {"cliffs", "slope_mixing", "before_refining", "carved", "lights_seen": {"all", "contradicted_before",
 // "contradicted"}, "tried": [{"cliffs", "slope_mixing", "before_refining",
 // "shadow_misfit"}, …]}
 nlohmann::json to_json(const HeightChoice& choice);

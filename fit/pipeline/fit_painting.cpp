@@ -19,7 +19,7 @@ namespace tangi {
 
 namespace {
 
-constexpr int kForLaws = 4;  // pixels that choose the law of reflectance, by those that calibrate lamps
+constexpr int kForModels = 4;  // pixels that choose the reflectance model, by those that calibrate lights
 
 // Files of floats have no full scale: their noise is relative to the white level.
 // Floats in a unit of their own (float_scale.h) have noise in that unit, too.
@@ -37,9 +37,9 @@ NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOp
     return NoiseModel(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006), true);
 }
 
-// Lamps are told by what they hardly light, too. With the noise that is taken for the pixels' sake, shadows
-// of a weak lamp pass for its light: of 24 lamps of strengths 0.3 to 2, low ones were off by up to 12 %, with
-// this by 2 %. The noise of a sensor cannot be measured where paintings are textured to the pixel.
+// Lights are told by what they hardly light, too. With the noise that is taken for the pixels' sake, shadows
+// of a weak light pass for its light: of 24 lights of strengths 0.3 to 2, low ones were off by up to 12 %,
+// with this by 2 %. The noise of a sensor cannot be measured where paintings are textured to the pixel.
 NoiseModel noise_for_lights(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
     FitOptions quiet = options;
     if (!options.noise && stack.bits == 16 && !stack.development) quiet.noise = 0.002;
@@ -106,7 +106,7 @@ double bulge_deg(const Surface& surface) {
 // Held-out photographs get the light that the others make likely.
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
-    photography.lamps = calibration.lamps;
+    photography.lights = calibration.lights;
     photography.beams = calibration.beams;
     const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
         photography.photos.push_back({light, fitted, photo.homography});
@@ -122,17 +122,17 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
         add(in_colour(calibration.lighting.lights[i]), true, stack.photos[i]);
     const Photography fitted = photography;
     const std::vector<Light>& lights = calibration.lighting.lights;  // in the order of their paths
-    const ShotOrder order = photography.lamps ? fit_shot_order(*photography.lamps, lights) : ShotOrder{};
+    const ShotOrder order = photography.lights ? fit_shot_order(*photography.lights, lights) : ShotOrder{};
     for (const StackPhoto& photo : stack.held_out) {
         Light light = photo.light;
         light.direction = corrected_direction(calibration, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         Light photographed = as_photographed(light, fitted);
-        if (photography.lamps) {
+        if (photography.lights) {
             const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
                                               [&](const StackPhoto& p) { return p.path < photo.path; });
             photographed.gain =
-                static_cast<float>(predicted_gain(order, *photography.lamps, lights, photographed.direction,
+                static_cast<float>(predicted_gain(order, *photography.lights, lights, photographed.direction,
                                                   static_cast<int>(before))) *
                 (photographed.gain / photographed.gain.g);
         }
@@ -141,32 +141,35 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
 }
 
 // Directions as listed, which is what may be wrong; strengths as found.
-LightOutliers odd_lights_of(const Stack& stack, const LightCalibration& calibration, const Survey& surveyed,
-                            const Transfer& transfer) {
+LightOutliers light_outliers_of(const Stack& stack, const LightCalibration& calibration,
+                                const Survey& surveyed, const Transfer& transfer) {
     std::vector<Light> lights = stack.lights();
     for (std::size_t i = 0; i < lights.size(); ++i) lights[i].gain = calibration.lighting.lights[i].gain;
-    return odd_lights(surveyed, transfer, lights, stack.width(), stack.height());
+    return light_outliers(surveyed, transfer, lights, stack.width(), stack.height());
 }
 
-// The law of the painting and what its lobes may be: as given, as the lamps' calibration found it, or as
-// left-out photographs are predicted best.
+// The law of the painting and what its lobes may be: as given, as the lights' calibration found it, or as
+// validation photographs are predicted best.
 LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighting, int channels,
                                const FitOptions& options, const std::optional<double>& diffuse_roughness,
-                               LawChoice& choice, const Progress& progress) {
+                               ReflectanceModelSelection& choice, const Progress& progress) {
     const bool open = !options.lights_as_given;
     if (open && (!options.diffuse_roughness || !options.haze))
-        choice = choose_law(sample, lighting, progress, diffuse_roughness);
-    choice.law = {.diffuse_roughness = options.diffuse_roughness.value_or(choice.law.diffuse_roughness),
-                  .haze = options.haze.value_or(choice.law.haze)};
-    if (open && !options.drawn_out_lobes) choose_stretches(sample, lighting, !options.haze, choice);
-    const bool drawn_out = options.drawn_out_lobes ? *options.drawn_out_lobes > 0 : choice.stretches.chosen;
-    if (open && !options.coloured_lobes && channels == 3)
-        choice.colours = choose_lobe_colours(sample, lighting, choice.law, drawn_out);
-    return {channels == 3 && (options.coloured_lobes ? *options.coloured_lobes > 0 : choice.colours.chosen),
-            drawn_out};
+        choice = select_reflectance_model(sample, lighting, progress, diffuse_roughness);
+    choice.reflectance_model = {
+        .diffuse_roughness = options.diffuse_roughness.value_or(choice.reflectance_model.diffuse_roughness),
+        .haze = options.haze.value_or(choice.reflectance_model.haze)};
+    if (open && !options.anisotropic_specular) choose_stretches(sample, lighting, !options.haze, choice);
+    const bool anisotropic =
+        options.anisotropic_specular ? *options.anisotropic_specular > 0 : choice.stretches.chosen;
+    if (open && !options.coloured_specular && channels == 3)
+        choice.colours = choose_specular_colours(sample, lighting, choice.reflectance_model, anisotropic);
+    return {
+        channels == 3 && (options.coloured_specular ? *options.coloured_specular > 0 : choice.colours.chosen),
+        anisotropic};
 }
 
-// Finds the colour of each photograph's light beside the others', and makes it that of its lamp: so the fit
+// Finds the colour of each photograph's light beside the others', and makes it that of its light: so the fit
 // takes it off in linear light, each channel with its own noise and clipping, and photographs are predicted
 // as they are.
 WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Transfer& transfer) {
@@ -268,12 +271,12 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
               [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });
     FitResult result;
     FitReport& report_ = result.report;
-    LookOver seen = look_over(stack, options.register_photos, progress);
+    Preprocessed seen = preprocess(stack, options.register_photos, progress);
     const Survey& surveyed = seen.survey;
     report_.transfer = seen.transfer;
     report_.registration = std::move(seen.registration);
     report_.sharpening = seen.sharpening;
-    report_.left_out = std::move(seen.left_out);
+    report_.rejected = std::move(seen.rejected);
     report_.turned_doubt = std::move(seen.turned_doubt);
     if (stack.transfer_of_chart && report_.transfer.source == "given")
         report_.transfer.source = "colour chart";
@@ -296,7 +299,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
                            .white_level = options.white_level.value_or(1),
                            .photos = {},
                            .rig = {},
-                           .lamps = {},
+                           .lights = {},
                            .to_camera = {}};
     report_.white_balances = balance_photographs(stack, surveyed, transfer);
     const NoiseModel noise = noise_model(stack, transfer, options);
@@ -310,7 +313,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
             ? LightCalibration{.lighting = given}
             : calibrate_lights(stack, surveyed, transfer, noise_for_lights(stack, transfer, options), given,
                                surface.mm_per_pixel, options.ward, options.calibration, progress);
-    report_.odd_lights = odd_lights_of(stack, report_.lights, surveyed, transfer);
+    report_.light_outliers = light_outliers_of(stack, report_.lights, surveyed, transfer);
     if (!seen.order_before) report_.list_order = check_list_order(surveyed, transfer, stack);
     for (std::size_t i = 0; i < stack.photos.size(); ++i) {
         const std::string& name = stack.photos[i].light.name;
@@ -331,18 +334,19 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
     if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
         stack.warnings.push_back(std::move(warning));
     describe_lights(stack, report_.lights, surface.photography);
-    float& lamp_radius_deg = surface.photography.rig.lamp_radius_deg;
-    report_.lamp_radius.deg = options.lamp_radius_deg.value_or(Rig::kPointLamp_deg);
-    lamp_radius_deg = static_cast<float>(report_.lamp_radius.deg);
+    float& light_radius_deg = surface.photography.rig.light_radius_deg;
+    report_.light_angular_radius.deg = options.light_radius_deg.value_or(Rig::kPointLight_deg);
+    light_radius_deg = static_cast<float>(report_.light_angular_radius.deg);
     // Batches fit these pixels in no time, and laws that few pixels choose differ from sample to sample.
     const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
-                             kForLaws * options.calibration.samples);
-    const LobeFreedom lobes = choose_reflectance(sample, lighting, stack.channels, options,
-                                                 report_.lights.diffuse_roughness, report_.law, progress);
-    surface.law = report_.law.law;
-    take_vote(report_.odd_lights, sample, stack.lights(), lighting, surface.law);
+                             kForModels * options.calibration.samples);
+    const LobeFreedom lobes =
+        choose_reflectance(sample, lighting, stack.channels, options, report_.lights.diffuse_roughness,
+                           report_.reflectance_model, progress);
+    surface.reflectance_model = report_.reflectance_model.reflectance_model;
+    take_vote(report_.light_outliers, sample, stack.lights(), lighting, surface.reflectance_model);
     report_.misfit = light_misfit(stack, surveyed, transfer, noise, lighting, surface.mm_per_pixel,
-                                  options.ward, surface.law);
+                                  options.ward, surface.reflectance_model);
     result.errors = FitErrors(stack.width(), stack.height());
     const auto look_at_signs = [&](bool height_known) {
         if (!height_known) report_.signs = check_signs(surface.normal, surface.confidence);
@@ -351,7 +355,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
             report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
                                                  lighting.white_level, progress);
     };
-    const LampsSeen lamps =
+    const LightVisibility lights =
         fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
     report_.photo_misfits =
         photo_misfits(stack, transfer, noise, surface, lighting, options.ward.model_error, progress);
@@ -363,13 +367,13 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
     report_.colour.by_profile = by_profile;
     report_.colour.white_by_chart = white.has_value();
     const FinalHeight height = final_height(surface, surveyed, transfer, lighting, options.height,
-                                            {explains_photographs(report_), report_.refined, &lamps},
+                                            {explains_photographs(report_), report_.refined, &lights},
                                             &result.errors.height, progress);
     report_.height = height.report;
     report_.height_choice = height.choice;
-    if (!options.lamp_radius_deg && (explains_photographs(report_) || report_.refined)) {
-        report_.lamp_radius = find_lamp_radius(surface, surveyed, transfer, lighting);
-        lamp_radius_deg = static_cast<float>(report_.lamp_radius.deg);
+    if (!options.light_radius_deg && (explains_photographs(report_) || report_.refined)) {
+        report_.light_angular_radius = find_light_angular_radius(surface, surveyed, transfer, lighting);
+        light_radius_deg = static_cast<float>(report_.light_angular_radius.deg);
     }
     report_.support_bulge_deg = bulge_deg(surface);
     report_.support_tilt_deg =
@@ -388,7 +392,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
         stack.warnings.push_back(
             fmt::format("{}: of {:.0f} % of the pixels the photographs hardly tell the slope (confidence "
                         "below 0.5): they are "
-                        "too dark, or too few lamps reach them, and lamps higher above the painting would",
+                        "too dark, or too few lights reach them, and lights higher above the painting would",
                         stack.folder.string(), 100 * report_.unsure));
     report_.warnings = stack.warnings;
     return result;

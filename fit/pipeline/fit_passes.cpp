@@ -66,18 +66,18 @@ double robust_scale_after(double rms_residual, double first) {
 // What the first pass leaves to the second, where it is trusted.
 struct FirstPass {
     LobePriors lobes;
-    SlopePriors slopes;
+    IntegrabilityPriors slopes;
     CastShadows shadows;
-    const Image<unsigned char>& crevices;
-    LampsSeen lamps;
+    const Image<unsigned char>& occluded;
+    LightVisibility lights;
 
     FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general,
-              const Image<unsigned char>& few_lamps, int photos)
+              const Image<unsigned char>& few_lights, int photos)
         : lobes(surface, errors, general),
           slopes(surface, plane),
           shadows(surface.height_mm, surface.mm_per_pixel, light_radius_deg(surface, {})),
-          crevices(few_lamps),
-          lamps(surface.width(), surface.height(), photos) {}
+          occluded(few_lights),
+          lights(surface.width(), surface.height(), photos) {}
 };
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
@@ -108,16 +108,17 @@ struct Pass {
 // What is known of pixels beside their photographs. Lobes have the colours that the surface says.
 PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface, const WardPrior& general) {
     PixelKnowledge known;
-    const bool coloured = !surface.lobe_colour.empty();
-    if (coloured) known.lobe_colour = [&](int x, int y) { return surface.lobe_colour(x, y); };
-    const bool drawn_out = !surface.lobe_axes.empty();
-    const auto stretched = [&surface, drawn_out](int x, int y, WardPrior prior) {
-        if (drawn_out)
+    const bool coloured = !surface.specular_colour.empty();
+    if (coloured) known.specular_colour = [&](int x, int y) { return surface.specular_colour(x, y); };
+    const bool anisotropic = !surface.lobe_axes.empty();
+    const auto stretched = [&surface, anisotropic](int x, int y, WardPrior prior) {
+        if (anisotropic)
             prior.stretch = glm::dvec2(stretch_of(surface.lobe_axes(x, y), surface.roughness(x, y)));
         return prior;
     };
     if (!pass.first) {
-        if (drawn_out) known.prior = [stretched, general](int x, int y) { return stretched(x, y, general); };
+        if (anisotropic)
+            known.prior = [stretched, general](int x, int y) { return stretched(x, y, general); };
         return known;
     }
     known.prior = [&surface, coloured, stretched, first = pass.first](int x, int y) {
@@ -125,15 +126,15 @@ PixelKnowledge knowledge_of(const Pass& pass, const Surface& surface, const Ward
         first->slopes.add_to(x, y, prior);
         if (!coloured) return prior;
         // rho_s of a white lobe is that of the mean channel, of a coloured one that of the largest.
-        const Rgb& colour = surface.lobe_colour(x, y);
+        const Rgb& colour = surface.specular_colour(x, y);
         const double scale = 3 / static_cast<double>(colour.r + colour.g + colour.b);
         prior.specular *= scale;
         prior.specular_sigma *= scale;
         return prior;
     };
     known.shadows = &pass.first->shadows;
-    known.crevices = &pass.first->crevices;
-    known.lamps = &pass.first->lamps;
+    known.occluded = &pass.first->occluded;
+    known.lights = &pass.first->lights;
     return known;
 }
 
@@ -141,13 +142,13 @@ void fit_band(const Band& band, const Lighting& lighting, const NoiseModel& nois
               const Pass& pass, FitResult& result, Counters& counters, const Progress& progress) {
     const Surface& surface = result.surface;
     WardFitOptions ward = options.ward;
-    ward.law = surface.law;
+    ward.reflectance_model = surface.reflectance_model;
     const PixelKnowledge known = knowledge_of(pass, surface, ward.prior);
     oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
         [&] { return RowFitter(ward, options.solver, lighting, noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
     const int rows = options.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
-    const AskedPixels asked = asked_pixels(surface.width(), surface.height());
+    const SampledPixels asked = sampled_pixels(surface.width(), surface.height());
     parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         long fitted = 0, not_converged = 0;
         const auto done = [&](int x, int y, const WardEstimate& e) {
@@ -237,7 +238,7 @@ void fit_bands(const Stack& stack, const Transfer& transfer, const Lighting& lig
 }
 
 // Of those that are fitted, the ones that say how pixels look.
-Image<unsigned char> mask_of_looks(const AskedPixels& asked, const Surface& surface,
+Image<unsigned char> mask_of_looks(const SampledPixels& asked, const Surface& surface,
                                    const Image<unsigned char>& mask) {
     Image<unsigned char> looks(surface.width(), surface.height(), 0);
     for (int j = 0; j < asked.look_y.count; ++j)
@@ -248,7 +249,7 @@ Image<unsigned char> mask_of_looks(const AskedPixels& asked, const Surface& surf
     return looks;
 }
 
-// How lobes are drawn out, by what some pixels have shown; leaves the surface without axes where none is.
+// How lobes are anisotropic, by what some pixels have shown; leaves the surface without axes where none is.
 void find_stretches(const Image<StretchEvidence>& evidence, const Image<unsigned char>& mask,
                     FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
@@ -261,7 +262,7 @@ void find_stretches(const Image<StretchEvidence>& evidence, const Image<unsigned
         shown += stretches.pixels()[i] != Stretch(0);
     }
     report(progress, "directions of lobes", 1);
-    result.report.drawn_out = static_cast<double>(shown) / static_cast<double>(std::max(all, 1L));
+    result.report.anisotropic = static_cast<double>(shown) / static_cast<double>(std::max(all, 1L));
     if (shown == 0) return;
     surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
     for (std::size_t i = 0; i < stretches.size(); ++i)
@@ -282,21 +283,21 @@ Plane first_height(const FitOptions& options, Surface& surface, const Progress& 
 }
 
 // All pixels once more, with the shadows of the first height and what neighbours say of lobes, and of
-// crevices as a whole.
-LampsSeen refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-                 const NoiseModel& noise, const FitOptions& options, const Plane& plane,
-                 const Image<unsigned char>& crevices, FitResult& result, const Progress& progress) {
-    stand_in(crevices, result.surface, result.errors);
-    FirstPass first(result.surface, plane, result.errors, options.ward.prior, crevices,
+// occluded pixels as a whole.
+LightVisibility refine(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                       const NoiseModel& noise, const FitOptions& options, const Plane& plane,
+                       const Image<unsigned char>& occluded, FitResult& result, const Progress& progress) {
+    fill_from_neighbours(occluded, result.surface, result.errors);
+    FirstPass first(result.surface, plane, result.errors, options.ward.prior, occluded,
                     static_cast<int>(stack.photos.size()));
     FitOptions second = options;
     second.ward.robust_scale =
         robust_scale_after(result.report.median_rms_residual, options.ward.robust_scale);
     fit_bands(stack, transfer, lighting, noise, second,
               {.name = "refine", .mask = stack.mask, .first = &first}, result, progress);
-    first.lamps.find_runs(result.surface, lighting);
-    borrow_from_around(result.surface);
-    return std::move(first.lamps);
+    first.lights.find_runs(result.surface, lighting);
+    fill_low_confidence(result.surface);
+    return std::move(first.lights);
 }
 
 }  // namespace
@@ -312,19 +313,19 @@ bool explains_photographs(const FitReport& report) { return report.median_rms_re
 
 // Whether hills and valleys are what they are, as far as the photographs tell: else the height casts shadows
 // where there are none. How well the model explains them matters little: that the first pass knows neither
-// shadows nor neighbours is most of what it lacks, on metal, too, and under lamps that are somewhere else.
+// shadows nor neighbours is most of what it lacks, on metal, too, and under lights that are somewhere else.
 static bool believes_height(const FitReport& report) {
     const ShadowCheck& shadows = report.shadow_signs;
     return explains_photographs(report) ||
            (!report.signs.wrong() && (!shadows.certain() || shadows.best == LightTurn{}));
 }
 
-// Where lobes may be drawn out, some pixels with white and isotropic lobes, and what these show of that: from
-// lobes that are not drawn out though they should be, slopes and neighbours' lobes are no ground for
+// Where lobes may be anisotropic, some pixels with white and isotropic lobes, and what these show of that:
+// from lobes that are not anisotropic though they should be, slopes and neighbours' lobes are no ground for
 // anything. Then all pixels; where lobes may have colours, what that shows of them; then the second pass.
-LampsSeen fit_passes(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-                     const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
-                     const FirstLook& look, FitResult& result, const Progress& progress) {
+LightVisibility fit_passes(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                           const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
+                           const FirstLook& look, FitResult& result, const Progress& progress) {
     Surface& surface = result.surface;
     FitReport& report_ = result.report;
     Image<LobeEvidence> colours;
@@ -335,8 +336,8 @@ LampsSeen fit_passes(const Stack& stack, const Transfer& transfer, const Lightin
         judged = pass.judged;
         fit_bands(stack, transfer, lighting, noise, options, pass, result, progress);
     };
-    if (lobes.drawn_out) {
-        const AskedPixels asked = asked_pixels(surface.width(), surface.height());
+    if (lobes.anisotropic) {
+        const SampledPixels asked = sampled_pixels(surface.width(), surface.height());
         Image<StretchEvidence> stretches(asked.x.count, asked.y.count);
         fit({.name = "directions of lobes",
              .mask = mask_of_looks(asked, surface, stack.mask),
@@ -350,29 +351,30 @@ LampsSeen fit_passes(const Stack& stack, const Transfer& transfer, const Lightin
          .colours = shown_colours});
     look(false);
     if (lobes.coloured) {
-        surface.lobe_colour = lobe_colours(surface, colours);
+        surface.specular_colour = specular_colours(surface, colours);
         colours = {};
         const auto shown =
-            std::count_if(surface.lobe_colour.pixels().begin(), surface.lobe_colour.pixels().end(),
+            std::count_if(surface.specular_colour.pixels().begin(), surface.specular_colour.pixels().end(),
                           [](const Rgb& colour) { return colour != Rgb(1); });
         report_.coloured = static_cast<double>(shown) / static_cast<double>(std::max(report_.fitted, 1L));
-        if (shown == 0) surface.lobe_colour = {};
+        if (shown == 0) surface.specular_colour = {};
         if (shown > 0 && !options.refine) fit({.name = "coloured lobes", .mask = stack.mask});
     }
-    const Image<unsigned char> crevices =
-        options.refine ? find_crevices(surface) : Image<unsigned char>(surface.width(), surface.height());
-    const std::vector<float> confidences = distrust(crevices, surface);
+    const Image<unsigned char> occluded = options.refine
+                                              ? find_occluded_pixels(surface)
+                                              : Image<unsigned char>(surface.width(), surface.height());
+    const std::vector<float> confidences = distrust(occluded, surface);
     // Where it is not refined, too: the lights may be what is wrong.
     const Plane plane = first_height(options, surface, progress);
     look(true);
-    LampsSeen seen(surface.width(), surface.height(), static_cast<int>(stack.photos.size()));
+    LightVisibility seen(surface.width(), surface.height(), static_cast<int>(stack.photos.size()));
     if (!options.refine) return seen;
     if (believes_height(report_)) {
-        seen = refine(stack, transfer, lighting, noise, options, plane, crevices, result, progress);
+        seen = refine(stack, transfer, lighting, noise, options, plane, occluded, result, progress);
         report_.refined = true;
     } else {
-        trust_again(crevices, confidences, surface);
-        if (!judged || !surface.lobe_colour.empty()) fit({.name = "fit, once more", .mask = stack.mask});
+        trust_again(occluded, confidences, surface);
+        if (!judged || !surface.specular_colour.empty()) fit({.name = "fit, once more", .mask = stack.mask});
     }
     return seen;
 }

@@ -13,18 +13,18 @@ using FirstLook = std::function<void(bool height_known)>;
 
 // What lobes of single pixels may be beside white and isotropic.
 struct LobeFreedom {
-    bool coloured = false, drawn_out = false;
+    bool coloured = false, anisotropic = false;
 };
 
 // Fills in the maps of `result` but for the final height, and what its report says of pixels. The first pass
 // takes lobes for white and knows no shadows; where lobes may have colours, it shows these, and where they
-// may be drawn out, some rows that are fitted before it show how; to refine, all pixels are fitted once more,
-// with what neighbours say about lobe and slope and with the shadows of a first height. result.surface has
-// size, scale and law, result.errors the size. Throws as fit_painting().
-// Returns which lamps were seen where; none where it is not refined.
-LampsSeen fit_passes(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-                     const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
-                     const FirstLook& look, FitResult& result, const Progress& progress);
+// may be anisotropic, some rows that are fitted before it show how; to refine, all pixels are fitted once
+// more, with what neighbours say about lobe and slope and with the shadows of a first height. result.surface
+// has size, scale and law, result.errors the size. Throws as fit_painting(). Returns which lights were seen
+// where; none where it is not refined.
+LightVisibility fit_passes(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
+                           const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
+                           const FirstLook& look, FitResult& result, const Progress& progress);
 
 // Whether the residuals of the last pass are small enough to believe what it says of errors.
 bool explains_photographs(const FitReport& report);

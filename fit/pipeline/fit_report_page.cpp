@@ -70,55 +70,55 @@ std::string distance(const std::optional<float>& mm, double relative, const Surf
 }
 
 std::string surface_above(const Rig& rig, double sigma_mm, const Surface& surface) {
-    if (!rig.lamp_distance_mm || !(sigma_mm > 0)) return "as given";
+    if (!rig.light_distance_mm || !(sigma_mm > 0)) return "as given";
     const double width_mm = std::max(surface.width(), surface.height()) * surface.mm_per_pixel;
     const std::string in_widths =
         with_error(rig.surface_above_mm / width_mm, sigma_mm / width_mm) + " picture widths";
     return surface.scale_known ? fmt::format("{:.2f} mm, {}", rig.surface_above_mm, in_widths) : in_widths;
 }
 
-std::string lamp_radius(const FitResult& fit) {
-    const LampRadius& found = fit.report.lamp_radius;
-    const float deg = fit.surface.photography.rig.lamp_radius_deg;
+std::string light_angular_radius(const FitResult& fit) {
+    const LightAngularRadius& found = fit.report.light_angular_radius;
+    const float deg = fit.surface.photography.rig.light_radius_deg;
     if (found.tried.empty()) return fmt::format("{:.2g}°, given or not looked for", deg);
-    if (deg == Rig::kPointLamp_deg) return fmt::format("{:.2g}°: no shadows tell another", deg);
+    if (deg == Rig::kPointLight_deg) return fmt::format("{:.2g}°: no shadows tell another", deg);
     return fmt::format("{:.1f}°, by the softness of shadows", deg);
 }
 
 std::string rig_section(const FitResult& fit) {
     const LightCalibration& lights = fit.report.lights;
     const Rig& rig = lights.lighting.rig;
-    std::string html = fmt::format("<div class=\"card\"><p>What is used of the lamps: <b>{}</b>.</p>",
+    std::string html = fmt::format("<div class=\"card\"><p>What is used of the lights: <b>{}</b>.</p>",
                                    name_of(lights.model));
     if (lights.trials.empty())
         html +=
             "<p>Nothing else was tried: too few photographs, or the lights were to be taken as given.</p>";
     else {
-        html += "<table><tr><th>tried</th><th>photographs left out, dB</th></tr>";
+        html += "<table><tr><th>tried</th><th>validation photographs, dB</th></tr>";
         for (const LightCalibration::Trial& trial : lights.trials)
             html +=
-                fmt::format("<tr><td>{}</td><td>{:.2f}</td></tr>", name_of(trial.model), trial.left_out_db);
+                fmt::format("<tr><td>{}</td><td>{:.2f}</td></tr>", name_of(trial.model), trial.cv_psnr_db);
         html += "</table>";
         if (lights.model.directions == DirectionFreedom::measured)
             html +=
-                "<p>Directions that mirror or matt balls measured are corrected within their standard "
+                "<p>Directions that mirror or diffuse spheres measured are corrected within their standard "
                 "errors, "
-                "whatever left-out photographs say: the lamp that is left out has no part in that.</p>";
+                "whatever validation photographs say: the light that is left out has no part in that.</p>";
     }
     html += fmt::format(
         "<table><tr><td>light from all around</td><td>{}</td></tr><tr><td>distance of the "
-        "lamps</td><td>{}</td></tr><tr><td>height of the surface above the point that their directions are "
+        "lights</td><td>{}</td></tr><tr><td>height of the surface above the point that their directions are "
         "from</td><td>{}</td></tr><tr>"
         "<td>distance of the camera</td><td>{}</td></tr><tr><td>angular radius of the "
-        "lamps</td><td>{}</td></tr><tr><td>tilt of the "
+        "lights</td><td>{}</td></tr><tr><td>tilt of the "
         "support</td><td>{:.1f}°</td></tr><tr><td>its bulge, middle to "
         "corners</td><td>{:.1f}°</td></tr></table></div>",
         lights.rig_sigma.ambient > 0 ? with_error(rig.ambient, lights.rig_sigma.ambient)
                                      : fmt::format("{:.3f}", rig.ambient),
-        distance(rig.lamp_distance_mm, lights.rig_sigma.lamp_distance, fit.surface),
+        distance(rig.light_distance_mm, lights.rig_sigma.light_distance, fit.surface),
         surface_above(rig, lights.rig_sigma.surface_above_mm, fit.surface),
-        distance(rig.camera_distance_mm, lights.rig_sigma.camera_distance, fit.surface), lamp_radius(fit),
-        fit.report.support_tilt_deg, fit.report.support_bulge_deg);
+        distance(rig.camera_distance_mm, lights.rig_sigma.camera_distance, fit.surface),
+        light_angular_radius(fit), fit.report.support_tilt_deg, fit.report.support_bulge_deg);
     return html;
 }
 
@@ -167,7 +167,7 @@ std::string white_cells(const WhiteBalance& white) {
 // One line a photograph that was fitted.
 std::string table(const FitResult& fit) {
     const LightCalibration& c = fit.report.lights;
-    const bool gains = !c.gain_sigma.empty() || c.lamps.has_value(), turns = !c.turns.empty();
+    const bool gains = !c.gain_sigma.empty() || c.lights.has_value(), turns = !c.turns.empty();
     const bool drifts = !fit.report.registration.photos.empty();
     std::map<std::string, const PhotoDrift*> drift_of;
     for (const PhotoDrift& drift : fit.report.registration.photos) drift_of[drift.name] = &drift;
@@ -217,7 +217,7 @@ std::string misfit_section(const FitResult& fit, const std::filesystem::path& sc
         "which each pixel "
         "shows: red is brighter than predicted, blue darker, {:.0f} % or more at the ends; grey is clipped "
         "or in the dark. "
-        "Patches that go with the relief are shadows or gloss; slopes across the picture are lamps that are "
+        "Patches that go with the relief are shadows or gloss; slopes across the picture are lights that are "
         "nearer than "
         "thought.</p><div class=\"row\">",
         misfit.places.size(), 100 * std::expm1(kMisfitRange));
@@ -275,7 +275,7 @@ std::string fit_page(const FitResult& fit, const std::string& title, const std::
         hemisphere(shown) +
         "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
         "painting's "
-        "plane. Lines lead from where a lamp was listed to where it is taken to be. Numbers as in the table."
+        "plane. Lines lead from where a light was listed to where it is taken to be. Numbers as in the table."
         "</figcaption></figure>" +
         rig_section(fit) + "</div>" + transfer_section(report.transfer) + "<h2>Photographs</h2>" +
         "<p class=\"soft\">Errors are standard errors (68 %). Strengths are relative to their median. Misfit "

@@ -1,4 +1,4 @@
-// fit_report_page.h: how a fit understood its photographs, for people: lamps, strengths, drift, transfer
+// fit_report_page.h: how a fit understood its photographs, for people: lights, strengths, drift, transfer
 // curve, misfit, each with its uncertainty, and the maps.
 #pragma once
 

@@ -23,13 +23,13 @@ std::vector<std::string> names_of(const Stack& stack) {
 
 // Adds what was taken out of a stack of these names and is not told yet.
 void note_missing(const std::vector<std::string>& before, const Stack& stack, const std::string& reason,
-                  std::vector<LeftOut>& left_out) {
+                  std::vector<RejectedPhoto>& rejected) {
     const std::vector<std::string> now = names_of(stack);
     for (const std::string& name : before)
         if (std::find(now.begin(), now.end(), name) == now.end() &&
-            std::none_of(left_out.begin(), left_out.end(),
-                         [&](const LeftOut& photo) { return photo.name == name; }))
-            left_out.push_back({name, reason});
+            std::none_of(rejected.begin(), rejected.end(),
+                         [&](const RejectedPhoto& photo) { return photo.name == name; }))
+            rejected.push_back({name, reason});
 }
 
 // Which of the photographs are still in the stack.
@@ -41,23 +41,23 @@ std::vector<bool> still_in(const Stack& stack, const std::vector<StackPhoto>& al
     return kept;
 }
 
-void leave_out_strays(Stack& stack, Survey& surveyed, std::vector<LeftOut>& left_out) {
+void reject_duplicates(Stack& stack, Survey& surveyed, std::vector<RejectedPhoto>& rejected) {
     const std::vector<std::string> before = names_of(stack);
     leave_out_black_photos(stack, surveyed);
-    note_missing(before, stack, "it is black", left_out);
-    leave_out_copies(stack, surveyed, left_out);
+    note_missing(before, stack, "it is black", rejected);
+    leave_out_copies(stack, surveyed, rejected);
 }
 
-LookOver look_once(Stack& stack, bool register_photos, const Progress& progress) {
-    LookOver result;
+Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progress) {
+    Preprocessed result;
     warn_of_compression(stack);
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
     result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
     if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
     tell_pixels_without_number(stack, result.survey);
-    leave_out_strays(stack, result.survey, result.left_out);
-    result.turned_doubt = leave_out_turned(stack, result.survey, result.left_out);
+    reject_duplicates(stack, result.survey, result.rejected);
+    result.turned_doubt = leave_out_turned(stack, result.survey, result.rejected);
     collected.keep(still_in(stack, all));
     result.sharpening = find_sharpening(collected, rounding_of_jpeg(stack));
     result.transfer = decide_transfer(stack, result.survey);
@@ -67,7 +67,7 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
     const std::size_t photos = stack.photos.size();
     result.registration = register_stack(stack, collected, result.transfer.transfer, progress);
     note_missing(before, stack, "it cannot be registered to " + result.registration.reference,
-                 result.left_out);
+                 result.rejected);
     if (!result.registration.moved && stack.photos.size() == photos) return result;
     if (stack.photos.size() < photos)
         result.order_before = {check_list_order(result.survey, result.transfer.transfer, unregistered),
@@ -81,56 +81,57 @@ LookOver look_once(Stack& stack, bool register_photos, const Progress& progress)
 }
 
 // Takes the photograph that an error is about out of the stack; throws it again where it is about none.
-void leave_out_damaged(Stack& stack, const PhotoError& error, std::vector<LeftOut>& left_out) {
+void leave_out_damaged(Stack& stack, const PhotoError& error, std::vector<RejectedPhoto>& rejected) {
     bool found = false;
     for (auto* photos : {&stack.photos, &stack.held_out})
         std::erase_if(*photos, [&](const StackPhoto& photo) {
             const bool is_it = photo.path == error.path() ||
                                std::any_of(photo.exposures.begin(), photo.exposures.end(),
                                            [&](const Exposure& e) { return e.path == error.path(); });
-            if (is_it) left_out.push_back({photo.light.name, error.what()});
+            if (is_it) rejected.push_back({photo.light.name, error.what()});
             found = found || is_it;
             return is_it;
         });
     if (!found) throw error;
-    stack.warnings.push_back(fmt::format("{}; left out", error.what()));
+    stack.warnings.push_back(fmt::format("{}; rejected", error.what()));
 }
 
 }  // namespace
 
-std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress, Survey* kept) {
+std::vector<RejectedPhoto> leave_out_damaged_and_copies(Stack& stack, const Progress& progress,
+                                                        Survey* kept) {
     constexpr std::size_t kFewest = 1;
     const std::size_t all = stack.photos.size() + stack.held_out.size();
-    std::vector<LeftOut> left_out;
+    std::vector<RejectedPhoto> rejected;
     while (true) try {
             Survey surveyed = survey(stack, {}, progress);
             if (take_full_scale(stack, surveyed)) continue;
             tell_pixels_without_number(stack, surveyed);
             const std::vector<std::string> before = names_of(stack);
             leave_out_black_photos(stack, surveyed, kFewest);
-            note_missing(before, stack, "it is black", left_out);
-            leave_out_copies(stack, surveyed, left_out, kFewest);
+            note_missing(before, stack, "it is black", rejected);
+            leave_out_copies(stack, surveyed, rejected, kFewest);
             if (kept) *kept = std::move(surveyed);
-            return left_out;
+            return rejected;
         } catch (const PhotoError& error) {
-            leave_out_damaged(stack, error, left_out);
-            require_few(left_out, all, kFewest, stack.folder.string());
+            leave_out_damaged(stack, error, rejected);
+            require_few(rejected, all, kFewest, stack.folder.string());
         }
 }
 
-LookOver look_over(Stack& stack, bool register_photos, const Progress& progress) {
+Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& progress) {
     const std::size_t all = stack.photos.size() + stack.held_out.size();
-    std::vector<LeftOut> damaged;
+    std::vector<RejectedPhoto> damaged;
     while (true) {
         Stack looked_at = stack;
         try {
             const std::string again = fmt::format("survey without {} damaged", damaged.size());
-            LookOver result =
+            Preprocessed result =
                 look_once(looked_at, register_photos,
                           damaged.empty() ? progress : Progress([&](std::string_view stage, double done) {
                               return !progress || progress(stage == "survey" ? again : stage, done);
                           }));
-            result.left_out.insert(result.left_out.begin(), damaged.begin(), damaged.end());
+            result.rejected.insert(result.rejected.begin(), damaged.begin(), damaged.end());
             stack = std::move(looked_at);
             return result;
         } catch (const PhotoError& error) {

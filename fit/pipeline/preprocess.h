@@ -11,11 +11,11 @@
 
 namespace tangi {
 
-struct LookOver {
+struct Preprocessed {
     Survey survey;
     TransferEstimate transfer;
-    Registration registration;      // empty where not asked for
-    std::vector<LeftOut> left_out;  // damaged, black, copies of others, turned, not to be registered
+    Registration registration;            // empty where not asked for
+    std::vector<RejectedPhoto> rejected;  // damaged, black, copies of others, turned, not to be registered
     // Of the photographs before registration, where that left some out: under a light that is not its own a
     // photograph is not found again, and what is left of a list has no order to tell.
     struct OrderBefore {
@@ -31,13 +31,13 @@ struct LookOver {
 // where asked for, also registers it, and where that moved something, surveys it once more as registered.
 // Photographs that turn out to be damaged when they are decoded are left out, and the others looked at anew.
 // Throws Error where too few remain, as require_few().
-LookOver look_over(Stack& stack, bool register_photos, const Progress& progress);
+Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& progress);
 
 // The part of it that knows nothing of lights: takes photographs that are damaged, or the same picture as
 // another (duplicate_photos.h), out of stack.photos, with a warning for each, and returns them. Throws Error
 // as require_few(), at least one being left. `kept`: where to put the survey of those that stay; null where
 // nobody asks.
-std::vector<LeftOut> leave_out_damaged_and_copies(Stack& stack, const Progress& progress,
-                                                  Survey* kept = nullptr);
+std::vector<RejectedPhoto> leave_out_damaged_and_copies(Stack& stack, const Progress& progress,
+                                                        Survey* kept = nullptr);
 
 }  // namespace tangi

@@ -17,14 +17,14 @@ static_assert(kWardLanes == kMarchLanes);
 constexpr int kPixelsAtOnce = 8192;
 constexpr double kSampleSize = 512;
 
-bool in_crevice(int x, int y, const PixelKnowledge& known) {
-    return known.crevices && (*known.crevices)(x, y);
+bool is_occluded(int x, int y, const PixelKnowledge& known) {
+    return known.occluded && (*known.occluded)(x, y);
 }
 
-// Of a crevice, under lamps of the colour of its lobe.
+// Of a occluded pixel, under lights of the colour of its lobe.
 WardStart start_in_shade(int x, int y, const Surface& surface, const PixelKnowledge& known,
                          const WardPrior& prior) {
-    const Rgb colour = known.lobe_colour ? known.lobe_colour(x, y) : Rgb(1);
+    const Rgb colour = known.specular_colour ? known.specular_colour(x, y) : Rgb(1);
     return {.slope = prior.slope, .diffuse = glm::dvec3(surface.diffuse(x, y) / colour)};
 }
 
@@ -77,20 +77,20 @@ PixelSamples& RowFitter::samples_at(const Band& band, int x, int y, const Surfac
 PixelSamples& RowFitter::white_samples_at(const Band& band, int x, int y, const Surface& surface,
                                           const PixelKnowledge& known) {
     PixelSamples& samples = samples_at(band, x, y, surface, known);
-    if (known.lobe_colour) whiten(known.lobe_colour(x, y), samples);
+    if (known.specular_colour) divide_by_specular_colour(known.specular_colour(x, y), samples);
     return samples;
 }
 
 WardPrior RowFitter::prior_at(int x, int y, const PixelKnowledge& known) const {
     const WardPrior prior = known.prior ? known.prior(x, y) : prior_;
-    return in_crevice(x, y, known) ? of_its_own(prior) : prior;
+    return is_occluded(x, y, known) ? of_its_own(prior) : prior;
 }
 
 WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
                                  const PixelKnowledge& known) {
     PixelSamples& samples = white_samples_at(band, x, y, surface, known);
     const WardEstimate as_it_is = ceres_.fit(samples, prior_at(x, y, known));
-    if (!in_crevice(x, y, known)) return as_it_is;
+    if (!is_occluded(x, y, known)) return as_it_is;
     const WardPrior prior = known.prior(x, y);
     const WardStart start = start_in_shade(x, y, surface, known, prior);
     const double unexplained = hide_dark(start, samples);
@@ -100,7 +100,7 @@ WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& 
     return cheaper ? in_shade : as_it_is;
 }
 
-// What the relief leaves of the lamps on the lanes of the batch. Most lamps are above any horizon, which is
+// What the relief leaves of the lights on the lanes of the batch. Most lights are above any horizon, which is
 // cheap to see.
 void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
     WardLane steepest;
@@ -118,8 +118,8 @@ void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
     }
 }
 
-// whiten() of one lane.
-void RowFitter::whiten_lane(const Rgb& colour, int lane) {
+// divide_by_specular_colour() of one lane.
+void RowFitter::divide_lane_by_specular_colour(const Rgb& colour, int lane) {
     if (colour == Rgb(1)) return;
     const Rgb crosstalk = crosstalk_of(colour);
     for (std::size_t first = 0; first + 2 < batch_.value.size(); first += 3) {
@@ -139,9 +139,9 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
     for (int x0 = 0; x0 < band.width(); x0 += kWardLanes) {
         const int count = std::min(kWardLanes, band.width() - x0);
         const auto masked = [&](int lane) { return !mask.empty() && !mask(x0 + lane, y); };
-        int left_out = 0;
-        for (int lane = 0; lane < count; ++lane) left_out += masked(lane);
-        if (left_out == count) continue;
+        int rejected = 0;
+        for (int lane = 0; lane < count; ++lane) rejected += masked(lane);
+        if (rejected == count) continue;
         sampler_.fill(band, surface, x0, y, count, first_name + x0, batch_);
         for (int lane = 0; lane < count; ++lane) {
             if (masked(lane)) {
@@ -149,7 +149,8 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
                 continue;
             }
             if (known.prior) batch_.set_prior(lane, prior_at(x0 + lane, y, known));
-            if (known.lobe_colour) whiten_lane(known.lobe_colour(x0 + lane, y), lane);
+            if (known.specular_colour)
+                divide_lane_by_specular_colour(known.specular_colour(x0 + lane, y), lane);
         }
         if (known.shadows) shade(*known.shadows, x0, y, count);
         batches_.fit(batch_);
@@ -159,10 +160,10 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
 // After the row was fitted, for which its samples are gone: what the second pass has found tells shadows
 // better than what the first had (0.1 to 0.5 dB of held-out photographs of generated thick paint).
 void RowFitter::look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known) {
-    for (int x0 = 0; known.lamps && x0 < band.width(); x0 += kWardLanes) {
+    for (int x0 = 0; known.lights && x0 < band.width(); x0 += kWardLanes) {
         const int count = std::min(kWardLanes, band.width() - x0);
         sampler_.fill(band, surface, x0, y, count, x0, batch_);
-        known.lamps->look(batch_, surface, *known.shadows, x0, y, count);
+        known.lights->look(batch_, surface, *known.shadows, x0, y, count);
     }
 }
 
@@ -220,7 +221,7 @@ void RowFitter::fit_in_shade(const Band& band, int first, const Surface& surface
     std::vector<double> unexplained;
     const auto names = fit_again(band, solutions.size(), [&](int name) -> std::optional<Offer> {
         const int x = name % width, y = first + name / width;
-        if (!in_crevice(x, y, known)) return {};
+        if (!is_occluded(x, y, known)) return {};
         PixelSamples& samples = white_samples_at(band, x, y, surface, known);
         const WardPrior prior = known.prior(x, y);
         const WardStart start = start_in_shade(x, y, surface, known, prior);
@@ -268,7 +269,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
             for (int x = 0; x < width; ++x) {
                 if (!mask.empty() && !mask(x, y)) continue;
                 const WardEstimate e = by_ceres(band, x, y, surface, known);
-                if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
+                if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
             }
             look_at_row(band, y, surface, known);
         }
@@ -282,7 +283,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
         batches_.finish();
         std::vector<WardSolution> solutions(batches_.solutions());
         if (highlights_) fit_by_highlight(band, first, surface, known, solutions);
-        if (known.crevices) fit_in_shade(band, first, surface, known, solutions);
+        if (known.occluded) fit_in_shade(band, first, surface, known, solutions);
         for (int y = first; y < last; ++y)
             for (int x = 0; x < width; ++x) {
                 const auto name = static_cast<std::size_t>((y - first) * width + x);
@@ -291,7 +292,7 @@ void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>
                 WardEstimate e = solution.estimate(band.channels());
                 if (known.prior) e.stretch = known.prior(x, y).stretch;
                 if (judged) judge(band, x, y, surface, known, solution, e);
-                if (e.valid) done(x, y, known.lobe_colour ? coloured(e, known.lobe_colour(x, y)) : e);
+                if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
             }
         for (int y = first; y < last; ++y) look_at_row(band, y, surface, known);
     }

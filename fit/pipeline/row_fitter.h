@@ -38,12 +38,12 @@ bool is_compared(int x, int y, int width, int height);
 // What is known of a pixel beside its samples; empty where nothing is.
 struct PixelKnowledge {
     std::function<WardPrior(int x, int y)> prior;
-    const CastShadows* shadows = nullptr;            // of the relief
-    std::function<Rgb(int x, int y)> lobe_colour{};  // as Surface::lobe_colour
-    // As find_crevices(), of a surface on which the neighbours stand in for them.
-    const Image<unsigned char>* crevices = nullptr;
+    const CastShadows* shadows = nullptr;                // of the relief
+    std::function<Rgb(int x, int y)> specular_colour{};  // as Surface::specular_colour
+    // As find_occluded_pixels(), of a surface on which the neighbours stand in for them.
+    const Image<unsigned char>* occluded = nullptr;
     // With `shadows`, to be filled in: what the surface as it is makes of the photographs.
-    LampsSeen* lamps = nullptr;
+    LightVisibility* lights = nullptr;
 };
 
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
@@ -71,12 +71,12 @@ private:
     void start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
                    const Surface& surface, const PixelKnowledge& known);
     void look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known);
-    void whiten_lane(const Rgb& colour, int lane);
+    void divide_lane_by_specular_colour(const Rgb& colour, int lane);
     void shade(const CastShadows& shadows, int x0, int y, int count);
     // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.
     void judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
                const WardSolution& solution, WardEstimate& estimate);
-    // samples_at(), under lamps of the colour of the lobe.
+    // samples_at(), under lights of the colour of the lobe.
     PixelSamples& white_samples_at(const Band& band, int x, int y, const Surface& surface,
                                    const PixelKnowledge& known);
     WardPrior prior_at(int x, int y, const PixelKnowledge& known) const;

@@ -18,9 +18,9 @@
 #define TANGI_BATCH_SAMPLER_ONCE
 namespace tangi {
 
-// Where the lanes' pixels are, and what the lamps are like.
+// Where the lanes' pixels are, and what the lights are like.
 struct BatchScene {
-    const std::vector<BatchLamp>* lamps;
+    const std::vector<BatchLight>* lights;
     const Rig* rig;
     WardLane x, y, z;  // [mm]
 };
@@ -66,26 +66,26 @@ void Illuminate(const BatchScene& scene, WardBatch& b) {
         store(vy, b.view[1], at);
         store(vz, b.view[2], at);
         const V rx = hn::Mul(all(rig.bend_per_mm), x), ry = hn::Mul(all(rig.bend_per_mm), y);
-        for (std::size_t i = 0; i < scene.lamps->size(); ++i) {
-            const BatchLamp& lamp = (*scene.lamps)[i];
-            V lx = all(lamp.at.x), ly = all(lamp.at.y), lz = all(lamp.at.z), falloff = all(1);
-            if (rig.bend_per_mm != 0) bend(rx, ry, all(lamp.length2), lx, ly, lz);
-            if (lamp.near) {
+        for (std::size_t i = 0; i < scene.lights->size(); ++i) {
+            const BatchLight& light = (*scene.lights)[i];
+            V lx = all(light.at.x), ly = all(light.at.y), lz = all(light.at.z), falloff = all(1);
+            if (rig.bend_per_mm != 0) bend(rx, ry, all(light.length2), lx, ly, lz);
+            if (light.near) {
                 lx = hn::Sub(lx, x);
                 ly = hn::Sub(ly, y);
                 lz = hn::Sub(lz, z);
                 const V distance2 = fma(lx, lx, fma(ly, ly, hn::Mul(lz, lz)));
-                falloff = hn::Div(all(lamp.length2), distance2);
+                falloff = hn::Div(all(light.length2), distance2);
                 const V inverse = hn::Div(all(1), hn::Sqrt(distance2));
                 lx = hn::Mul(lx, inverse);
                 ly = hn::Mul(ly, inverse);
                 lz = hn::Mul(lz, inverse);
             }
-            if (lamp.uneven) {
-                V log_part = hn::Mul(all(lamp.beam[4]), hn::Mul(y, y));
-                log_part = fma(hn::Mul(all(lamp.beam[3]), x), y, log_part);
-                log_part = fma(hn::Mul(all(lamp.beam[2]), x), x, log_part);
-                log_part = fma(all(lamp.beam[0]), x, fma(all(lamp.beam[1]), y, log_part));
+            if (light.uneven) {
+                V log_part = hn::Mul(all(light.beam[4]), hn::Mul(y, y));
+                log_part = fma(hn::Mul(all(light.beam[3]), x), y, log_part);
+                log_part = fma(hn::Mul(all(light.beam[2]), x), x, log_part);
+                log_part = fma(all(light.beam[0]), x, fma(all(light.beam[1]), y, log_part));
                 falloff = hn::Mul(falloff, exp_of(log_part));
             }
             store(lx, b.light[i][0], at);
@@ -94,7 +94,7 @@ void Illuminate(const BatchScene& scene, WardBatch& b) {
             store(all(rig.ambient), b.ambient[i], at);
             store(all(1), b.visible[i], at);
             for (std::size_t c = 0; c < channels; ++c)
-                store(hn::Mul(falloff, all(lamp.irradiance[static_cast<int>(c)])),
+                store(hn::Mul(falloff, all(light.irradiance[static_cast<int>(c)])),
                       b.irradiance[i * channels + c], at);
         }
     }
@@ -138,24 +138,24 @@ BatchSampler::BatchSampler(const Lighting& lighting, const NoiseModel& noise, co
                            int channels)
     : rig_(lighting.rig), noise_(noise), prior_(prior), channels_(channels) {
     for (const Light& light : lighting.lights) {
-        BatchLamp lamp{.irradiance = light.gain * static_cast<float>(lighting.white_level)};
-        lamp.near = light.position_mm.has_value();
-        lamp.uneven = !light.beam.even();
-        lamp.beam = light.beam.terms;
-        lamp.at = lamp.near ? *light.position_mm : light.direction;
-        lamp.length2 = glm::dot(lamp.at, lamp.at);
-        lamps_.push_back(lamp);
+        BatchLight lane{.irradiance = light.gain * static_cast<float>(lighting.white_level)};
+        lane.near = light.position_mm.has_value();
+        lane.uneven = !light.beam.even();
+        lane.beam = light.beam.terms;
+        lane.at = lane.near ? *light.position_mm : light.direction;
+        lane.length2 = glm::dot(lane.at, lane.at);
+        lights_.push_back(lane);
     }
 }
 
 void BatchSampler::fill(const Band& band, const Surface& surface, int x0, int y, int count, int first_name,
                         WardBatch& batch) const {
     TP_REQUIRE(count > 0 && count <= kWardLanes && x0 + count <= band.width(), "pixels of the band");
-    TP_REQUIRE(band.photos() == static_cast<int>(lamps_.size()) && band.channels() == channels_,
-               "a band of the photographs that have these lamps");
+    TP_REQUIRE(band.photos() == static_cast<int>(lights_.size()) && band.channels() == channels_,
+               "a band of the photographs that have these lights");
     if (batch.photos != band.photos() || batch.channels != channels_ || batch.value.empty())
         batch.resize(band.photos(), channels_, prior_);
-    BatchScene scene{&lamps_, &rig_, {}, {}, {}};
+    BatchScene scene{&lights_, &rig_, {}, {}, {}};
     for (int lane = 0; lane < kWardLanes; ++lane) {
         const Vec3 point = surface.point_mm(x0 + std::min(lane, count - 1), y);
         scene.x[lane] = point.x;

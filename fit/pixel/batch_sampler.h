@@ -1,4 +1,4 @@
-// batch_sampler.h: what lamps, photographs and noise say about runs of pixels, in lanes: illuminate() and
+// batch_sampler.h: what lights, photographs and noise say about runs of pixels, in lanes: illuminate() and
 // NoiseModel::sigma() for the batched fit.
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace tangi {
 
-// A lamp as the lanes take it.
-struct BatchLamp {
-    Vec3 at{0};  // [mm] position, or the unit vector to a distant lamp
+// A light as the lanes take it.
+struct BatchLight {
+    Vec3 at{0};  // [mm] position, or the unit vector to a distant light
     bool near = false;
     float length2 = 1;  // [mm^2] of the position
     Rgb irradiance{1};  // [1] white level * gain: at the origin
@@ -33,7 +33,7 @@ public:
 
 private:
     Rig rig_;
-    std::vector<BatchLamp> lamps_;
+    std::vector<BatchLight> lights_;
     const NoiseModel& noise_;
     WardPrior prior_;
     int channels_;

@@ -1,6 +1,6 @@
 // pixel_scores.h: how well each pixel of a sample is predicted in photographs that were left out.
 //
-// What is true of lamps, or of all of a painting, explains its pixels alike. What only takes up how some of
+// What is true of lights, or of all of a painting, explains its pixels alike. What only takes up how some of
 // them differ from the model (metal, in most cases, whose errors outweigh all others) worsens the rest: a
 // mean over the picture cannot tell, the part of the pixels that are better off can.
 #pragma once

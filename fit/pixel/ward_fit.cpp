@@ -82,7 +82,7 @@ void add_model_error(const LambertEstimate& start, double model_error, PixelSamp
 // Start of the lobe: for a few widths, the rho_s that explains what the diffuse estimate leaves over, each
 // with its robust cost; the cheapest wins. Least squares alone is bimodal in alpha.
 void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const WardBounds& bounds,
-                const ReflectanceLaw& law, const glm::dvec2& stretch, WardVector& theta) {
+                const ReflectanceModel& reflectance_model, const glm::dvec2& stretch, WardVector& theta) {
     constexpr std::array<double, 5> widths = {0.06, 0.12, 0.2, 0.32, 0.5};
     double best_cost = std::numeric_limits<double>::infinity();
     const WardVector diffuse_only = theta;
@@ -91,8 +91,8 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
         candidate[2] = std::log(alpha);
         double numerator = 0, denominator = 0;
         for (int i = 0; i < s.photos(); ++i) {
-            const WardTerms t =
-                ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view, law, stretch);
+            const WardTerms t = ward_terms(candidate.data(), s.light[static_cast<std::size_t>(i)], s.view,
+                                           reflectance_model, stretch);
             for (int c = 0; c < s.channels; ++c) {
                 const auto at = static_cast<std::size_t>(i * s.channels + c);
                 if (s.sigma[at] == 0) continue;
@@ -184,7 +184,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior, 
     add_model_error(start, options_.model_error, samples);
 
     const WardBounds& bounds = options_.bounds;
-    const WardResiduals residuals(samples, prior, options_.robust_scale, options_.law);
+    const WardResiduals residuals(samples, prior, options_.robust_scale, options_.reflectance_model);
     Workspace& w = *workspace_;
     const int rows = residuals.size();
     w.jacobian.resize(rows, kWardParameters);
@@ -194,7 +194,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior, 
     const auto solve = [&](const WardStart& from) {
         WardVector theta = {from.slope.x,    from.slope.y,    prior.ln_alpha, 0.0,
                             from.diffuse[0], from.diffuse[1], from.diffuse[2]};
-        start_lobe(samples, residuals, bounds, options_.law, prior.stretch, theta);
+        start_lobe(samples, residuals, bounds, options_.reflectance_model, prior.stretch, theta);
         const WardVector u0 = unbounded_of(theta, bounds);
         Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
         w.solver.options.max_num_iterations = options_.max_iterations;

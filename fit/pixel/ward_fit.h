@@ -18,7 +18,7 @@ struct WardFitOptions {
     double model_error = 0.05;  // [1] relative deviation of real surfaces from the model
     double robust_scale = 3;    // [sigma] residual from which a sample counts less and less (Cauchy)
     bool by_highlight = true;   // pixels that are explained poorly are fitted from their highlight, too
-    ReflectanceLaw law = {};
+    ReflectanceModel reflectance_model = {};
     WardBounds bounds = {};
     WardPrior prior = {};
 
@@ -38,19 +38,19 @@ struct WardFitOptions {
 // The fit of one pixel. Standard errors are those of the parameters at the solution, from the inverse of J^T
 // J (Gauss-Newton), scaled up where the residuals are larger than expected.
 struct WardEstimate {
-    glm::dvec2 slope{0};         // [1] dz/dx, dz/dy
-    glm::dvec3 diffuse{0};       // [1] rho_d
-    double specular = 0;         // [1] rho_s
-    double roughness = 0.3;      // [1] alpha
-    glm::dvec3 lobe_colour{1};   // [1] that was given (specular_colour.h), as in surface.h
-    glm::dvec2 stretch{0};       // [1] that was given, likewise (surface/reflectance/anisotropy.h)
-    double diffuse_error = 0;    // [1] standard error of rho_d, root of the mean variance of the channels
-    double slope_error = 0;      // [1] standard error of the slope, root of the mean of both variances
-    double specular_error = 0;   // [1]
-    double roughness_error = 0;  // [1]
-    double rms_residual = 0;     // [sigma] of the robust residuals
-    double cost = 0;             // [sigma^2] sum of their squares, priors included
-    bool valid = false;          // false: not measurable (see LambertEstimate)
+    glm::dvec2 slope{0};            // [1] dz/dx, dz/dy
+    glm::dvec3 diffuse{0};          // [1] rho_d
+    double specular = 0;            // [1] rho_s
+    double roughness = 0.3;         // [1] alpha
+    glm::dvec3 specular_colour{1};  // [1] that was given (specular_colour.h), as in surface.h
+    glm::dvec2 stretch{0};          // [1] that was given, likewise (surface/reflectance/anisotropy.h)
+    double diffuse_error = 0;       // [1] standard error of rho_d, root of the mean variance of the channels
+    double slope_error = 0;         // [1] standard error of the slope, root of the mean of both variances
+    double specular_error = 0;      // [1]
+    double roughness_error = 0;     // [1]
+    double rms_residual = 0;        // [sigma] of the robust residuals
+    double cost = 0;                // [sigma^2] sum of their squares, priors included
+    bool valid = false;             // false: not measurable (see LambertEstimate)
     bool converged = false;
 };
 

@@ -172,11 +172,11 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
     V iterations = load(s.iterations, at), converged = load(s.converged, at);
     const V most = all(static_cast<float>(options.max_iterations));
     M alive = hn::Gt(load(s.alive, at), zero);
-    const Law law = law_of(options.law);
+    const LaneModel reflectance_model = reflectance_model_of(options.reflectance_model);
     System<C> system, trial;
     const bool fresh = hn::AllTrue(d, hn::Eq(load(s.resumed, at), zero));
     if (fresh)
-        evaluate<C>(s, law, at, point, system);
+        evaluate<C>(s, reflectance_model, at, point, system);
     else
         each<C>(system, [&](V& v, int k) HWY_ATTR { v = load(s.system[static_cast<std::size_t>(k)], at); });
     while (!hn::AllFalse(d, alive) && static_cast<int>(hn::CountTrue(d, alive)) >= fewest) {
@@ -190,7 +190,7 @@ HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int few
         Point<C> next;
         for (int i = 0; i < 4 + C; ++i)
             next.theta[i] = hn::Min(hn::Max(hn::Add(point.theta[i], step[i]), limits.low[i]), limits.high[i]);
-        evaluate<C>(s, law, at, next, trial);
+        evaluate<C>(s, reflectance_model, at, next, trial);
         const V change = hn::Sub(system.cost, trial.cost);
         const M free = hn::Le(damping, all(kFree));
         const M better = hn::And(alive, hn::Gt(change, zero)), worse = hn::AndNot(better, alive);

@@ -10,11 +10,12 @@ void WardResiduals::evaluate(const double* theta, const glm::dvec2& stretch, dou
     if (jacobian) std::fill_n(jacobian, rows * columns, 0.0);
     const auto at = [&](int row, int column) -> double& { return jacobian[column * rows + row]; };
     const StretchTerms terms(stretch);
-    const StretchTerms* drawn_out = columns > kWardParameters || stretch != glm::dvec2(0) ? &terms : nullptr;
+    const StretchTerms* anisotropic =
+        columns > kWardParameters || stretch != glm::dvec2(0) ? &terms : nullptr;
     int row = 0;
     for (int i = 0; i < samples_.photos(); ++i) {
-        const WardTerms t =
-            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_, drawn_out);
+        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view,
+                                       reflectance_model_, anisotropic);
         const double matt = t.matt + samples_.ambient[static_cast<std::size_t>(i)];
         for (int c = 0; c < channels; ++c, ++row) {
             const auto index = static_cast<std::size_t>(row);
@@ -53,10 +54,10 @@ double WardResiduals::cost(const double* theta, const glm::dvec2& stretch) const
     double product = 1, logarithm = 0;
     const double inverse_c2 = 1 / (robust_scale_ * robust_scale_);
     const StretchTerms terms(stretch);
-    const StretchTerms* drawn_out = stretch != glm::dvec2(0) ? &terms : nullptr;
+    const StretchTerms* anisotropic = stretch != glm::dvec2(0) ? &terms : nullptr;
     for (int i = 0, row = 0; i < samples_.photos(); ++i) {
-        const WardTerms t =
-            ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view, law_, drawn_out);
+        const WardTerms t = ward_terms(theta, samples_.light[static_cast<std::size_t>(i)], samples_.view,
+                                       reflectance_model_, anisotropic);
         const double matt = t.matt + samples_.ambient[static_cast<std::size_t>(i)];
         for (int c = 0; c < samples_.channels; ++c, ++row) {
             const auto at = static_cast<std::size_t>(row);

@@ -54,9 +54,9 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
             const M some = hn::And(hn::Ne(sigma, zero), hn::Lt(hn::Abs(given), all(1e30f)));
             const V value = keep(some, given);
             const V matt = hn::Mul(hn::Mul(diffuse[c], cosine), irradiance);
-            const V left_out = hn::Mul(model_error, hn::Max(matt, value));
+            const V validation = hn::Mul(model_error, hn::Max(matt, value));
             const V shadow = hn::Mul(hidden, matt);
-            const V variance = fma(sigma, sigma, fma(left_out, left_out, hn::Mul(shadow, shadow)));
+            const V variance = fma(sigma, sigma, fma(validation, validation, hn::Mul(shadow, shadow)));
             const V root = hn::Mul(inverse_scale, inverse_root(choose(some, variance, all(1))));
             const V weight = keep(some, hn::CopySign(root, sigma));
             store(hn::Mul(weight, irradiance), slots.weight[index], at);
@@ -75,7 +75,7 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
     const V zero = hn::Zero(Floats());
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(load(s.theta[0], at), load(s.theta[1], at), vx, vy, vz);
-    const Law law = law_of(options.law);
+    const LaneModel reflectance_model = reflectance_model_of(options.reflectance_model);
     const Shape shape_of_lobe = shape_at(s, at, f);
     V numerator[kWidths], denominator[kWidths];
     for (int k = 0; k < kWidths; ++k) numerator[k] = denominator[k] = zero;
@@ -84,10 +84,11 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
         const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
         const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
         Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
-        if (shape_of_lobe.some) draw_out(shape_of_lobe, f, lx, ly, lz, g);
+        if (shape_of_lobe.some) stretch_half_vector(shape_of_lobe, f, lx, ly, lz, g);
         V direct = g.n_l;
-        if (law.rough)
-            direct = keep(g.lit, rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
+        if (reflectance_model.rough)
+            direct =
+                keep(g.lit, rough_diffuse(reflectance_model, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
         const V matt = hn::Add(direct, load(light[3], at)), shape = hn::Mul(g.shape, g.n_l);
         store(matt, grey[i].key, at);
         V left = zero, square = zero;  // sums over the channels of weight * residual, weight^2
@@ -103,11 +104,12 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
         V power[kPowers];
         power[0] = exp_negative(hn::Mul(g.tan2, all(-0.25f * kWidestInverse2)));
         for (int k = 1; k < kPowers; ++k) power[k] = squared(power[k - 1]);
-        const V core = hn::Mul(shape, law.core), haze = hn::Mul(shape, hn::Mul(law.haze, all(0.25f)));
+        const V core = hn::Mul(shape, reflectance_model.core),
+                haze = hn::Mul(shape, hn::Mul(reflectance_model.haze, all(0.25f)));
         for (int k = 0; k < kWidths; ++k) {
             const int wide = kPower[static_cast<std::size_t>(k)];
             V lobe = hn::Mul(core, power[wide + 2]);
-            if (law.hazy) lobe = fma(haze, power[wide], lobe);
+            if (reflectance_model.hazy) lobe = fma(haze, power[wide], lobe);
             lobe = hn::Mul(lobe, all(kWidestInverse2 * static_cast<float>(1 << wide)));
             store(lobe, grey[i].reuse[k], at);
             numerator[k] = fma(lobe, left, numerator[k]);

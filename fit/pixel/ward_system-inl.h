@@ -169,8 +169,8 @@ HWY_INLINE void add_channel(const Block<C>& block, int n, int c, V (&h)[7], V& g
 // In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
 // there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
 template <int C>
-HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Point<C>& point,
-                           System<C>& sum) {
+HWY_NOINLINE void evaluate(const WardSlots& s, const LaneModel& reflectance_model, int at,
+                           const Point<C>& point, System<C>& sum) {
     const V zero = hn::Zero(Floats());
     V channel[C][7];
     for (V& v : sum.common) v = zero;
@@ -193,7 +193,8 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const Law& law, int at, const Poi
             const auto& light = s.light[static_cast<std::size_t>(first + i)];
             const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
             const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
-            block.terms[i] = ward_terms(law, f, shape, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
+            block.terms[i] =
+                ward_terms(reflectance_model, f, shape, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
         }
         for (int i = 0; i < n; ++i) {
             V weight[C], target[C], factor;

@@ -58,7 +58,7 @@ HWY_INLINE Geometry geometry(const Facing& f, V lx, V ly, V lz, V h_h) {
     return g;
 }
 
-// How lobes are drawn out (surface/reflectance/anisotropy.h), and the frame of the tangent plane. Lanes
+// How lobes are anisotropic (surface/reflectance/anisotropy.h), and the frame of the tangent plane. Lanes
 // without a stretch come to the same bits whether others have one or not.
 struct Shape {
     bool some;  // a lane has a stretch
@@ -77,12 +77,13 @@ HWY_INLINE Shape shape_at(const WardSlots& s, int at, const Facing& f) {
             hn::Div(all(1), hn::Add(all(1), f.inverse))};
 }
 
-// h in the axes of the tangent plane, and what that takes off c tan2 (DrawnOut of ward_residual.h).
-struct DrawnOutTerms {
+// h in the axes of the tangent plane, and what that takes off c tan2 (AnisotropicTerms of ward_residual.h).
+struct StretchedHalfVector {
     V u, x, y, inverse_h_n2, part;
 };
-HWY_INLINE DrawnOutTerms draw_out(const Shape& shape, const Facing& f, V lx, V ly, V lz, Geometry& g) {
-    DrawnOutTerms d;
+HWY_INLINE StretchedHalfVector stretch_half_vector(const Shape& shape, const Facing& f, V lx, V ly, V lz,
+                                                   Geometry& g) {
+    StretchedHalfVector d;
     d.u = hn::Mul(hn::Add(g.h_n, hn::Add(lz, f.view_z)), shape.over_z);
     d.x = fnma(shape.nx, d.u, hn::Add(lx, f.view_x));
     d.y = fnma(shape.ny, d.u, hn::Add(ly, f.view_y));
@@ -93,8 +94,8 @@ HWY_INLINE DrawnOutTerms draw_out(const Shape& shape, const Facing& f, V lx, V l
     return d;
 }
 // d part by slope x (i = 0) or y, given that of h.n.
-HWY_INLINE V draws_out(const Shape& shape, const Facing& f, const Geometry& g, const DrawnOutTerms& d, int i,
-                       V dh_n) {
+HWY_INLINE V stretch_derivative(const Shape& shape, const Facing& f, const Geometry& g,
+                                const StretchedHalfVector& d, int i, V dh_n) {
     const V across = hn::Mul(hn::Mul(shape.nx, shape.ny), f.inverse);
     const V n = i == 0 ? shape.nx : shape.ny;
     const V along = hn::Mul(hn::MulSub(n, n, all(1)), f.inverse);
@@ -108,14 +109,15 @@ HWY_INLINE V draws_out(const Shape& shape, const Facing& f, const Geometry& g, c
     return hn::Mul(all(2), hn::MulSub(sum, d.inverse_h_n2, hn::Mul(hn::Mul(d.part, g.inverse_h_n), dh_n)));
 }
 
-// The reflectance law of surface/reflectance/ward.h on all lanes.
-struct Law {
+// The reflectance model of surface/reflectance/ward.h on all lanes.
+struct LaneModel {
     bool rough, hazy;
     V roughness, scale;  // of the diffuse reflection, as rough_diffuse() has them
     V core, haze;        // parts of the lobe
 };
-HWY_INLINE Law law_of(const ReflectanceLaw& law) {
-    const auto roughness = static_cast<float>(law.diffuse_roughness), haze = static_cast<float>(law.haze);
+HWY_INLINE LaneModel reflectance_model_of(const ReflectanceModel& reflectance_model) {
+    const auto roughness = static_cast<float>(reflectance_model.diffuse_roughness),
+               haze = static_cast<float>(reflectance_model.haze);
     const float scale = 1 / (1 + (0.5f - 2 / (3 * std::numbers::pi_v<float>)) * roughness);
     return {roughness > 0, haze > 0, all(roughness), all(scale), all(1 - haze), all(haze)};
 }
@@ -124,7 +126,7 @@ HWY_INLINE Law law_of(const ReflectanceLaw& law) {
 struct Diffuse {
     V value, by_n_l, by_n_v;
 };
-HWY_INLINE Diffuse rough_diffuse(const Law& law, V n_l, V n_v, V l_v) {
+HWY_INLINE Diffuse rough_diffuse(const LaneModel& reflectance_model, V n_l, V n_v, V l_v) {
     const V zero = hn::Zero(Floats()), one = all(1);
     const V s = fnma(n_l, n_v, l_v);
     const M above = hn::Gt(s, zero), steep = hn::Gt(n_l, n_v);
@@ -133,10 +135,11 @@ HWY_INLINE Diffuse rough_diffuse(const Law& law, V n_l, V n_v, V l_v) {
     const V ratio = choose(above, hn::Mul(s, inverse), s);
     const V by_n_l = choose(above, choose(steep, falls, all(-1)), hn::Neg(n_v));
     const V by_n_v = choose(above, choose(steep, all(-1), falls), hn::Neg(n_l));
-    const V rough_n_l = hn::Mul(law.roughness, n_l);
-    return {hn::Mul(hn::Mul(n_l, law.scale), fma(law.roughness, ratio, one)),
-            hn::Mul(law.scale, fma(law.roughness, ratio, fma(rough_n_l, by_n_l, one))),
-            hn::Mul(hn::Mul(law.scale, rough_n_l), by_n_v)};
+    const V rough_n_l = hn::Mul(reflectance_model.roughness, n_l);
+    return {hn::Mul(hn::Mul(n_l, reflectance_model.scale), fma(reflectance_model.roughness, ratio, one)),
+            hn::Mul(reflectance_model.scale,
+                    fma(reflectance_model.roughness, ratio, fma(rough_n_l, by_n_l, one))),
+            hn::Mul(hn::Mul(reflectance_model.scale, rough_n_l), by_n_v)};
 }
 
 // The Gaussians of lobe and haze times their parts, before `shape`. The haze is twice as wide, so that its
@@ -145,12 +148,12 @@ static_assert(kHazeWidth == 2);
 struct Gaussians {
     V core, haze;  // haze: of any use only where there is some
 };
-HWY_INLINE Gaussians gaussians(const Law& law, V tan2, V inverse_alpha2) {
+HWY_INLINE Gaussians gaussians(const LaneModel& reflectance_model, V tan2, V inverse_alpha2) {
     const V exponent = hn::Neg(hn::Mul(tan2, inverse_alpha2));
-    if (!law.hazy) return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
+    if (!reflectance_model.hazy) return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
     const V root = exp_negative(hn::Mul(exponent, all(0.25f)));
-    return {hn::Mul(hn::Mul(squared(squared(root)), inverse_alpha2), law.core),
-            hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), law.haze)};
+    return {hn::Mul(hn::Mul(squared(squared(root)), inverse_alpha2), reflectance_model.core),
+            hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), reflectance_model.haze)};
 }
 
 // ward_terms() of ward_residual.h: the model but for rho_d and rho_s, and its derivatives by slope x, slope y
@@ -159,21 +162,21 @@ struct Terms {
     V matt, lobe;
     V dmatt[2], dlobe[3];
 };
-HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, const Shape& shape, V inverse_alpha2, V lx, V ly,
-                            V lz, V ambient, V l_v) {
+HWY_INLINE Terms ward_terms(const LaneModel& reflectance_model, const Facing& f, const Shape& shape,
+                            V inverse_alpha2, V lx, V ly, V lz, V ambient, V l_v) {
     Geometry g = geometry(f, lx, ly, lz, fma(l_v, all(2), all(2)));
     V ratio2 = hn::Add(g.ratio, g.ratio);
-    DrawnOutTerms drawn_out;
+    StretchedHalfVector anisotropic;
     if (shape.some) {
-        drawn_out = draw_out(shape, f, lx, ly, lz, g);
+        anisotropic = stretch_half_vector(shape, f, lx, ly, lz, g);
         ratio2 = hn::Mul(ratio2, shape.c);
     }
-    const Gaussians gauss = gaussians(law, g.tan2, inverse_alpha2);
+    const Gaussians gauss = gaussians(reflectance_model, g.tan2, inverse_alpha2);
     V lobe = hn::Mul(gauss.core, g.shape);
     V by_h_n = hn::Mul(lobe, hn::MulSub(ratio2, inverse_alpha2, all(4)));
     V by_ln_alpha = hn::Mul(lobe, hn::MulSub(g.tan2, inverse_alpha2, all(1)));
     V by_tan2 = hn::Mul(lobe, inverse_alpha2);  // less than 0: its absolute value
-    if (law.hazy) {
+    if (reflectance_model.hazy) {
         const V wide = hn::Mul(gauss.haze, g.shape), inverse_width2 = hn::Mul(inverse_alpha2, all(0.25f));
         lobe = hn::Add(lobe, wide);
         by_tan2 = fma(wide, inverse_width2, by_tan2);
@@ -191,11 +194,12 @@ HWY_INLINE Terms ward_terms(const Law& law, const Facing& f, const Shape& shape,
         const V dh_n = hn::Neg(fma(half[i], f.inverse, hn::Mul(g.h_n, slope[i])));
         t.dlobe[i] = fma(weighted, dh_n, hn::Mul(lobe, t.dmatt[i]));
         if (shape.some)
-            t.dlobe[i] = fma(hn::Mul(by_tan2, g.n_l), draws_out(shape, f, g, drawn_out, i, dh_n), t.dlobe[i]);
+            t.dlobe[i] = fma(hn::Mul(by_tan2, g.n_l), stretch_derivative(shape, f, g, anisotropic, i, dh_n),
+                             t.dlobe[i]);
     }
     t.matt = hn::Add(g.n_l, ambient);
-    if (law.rough) {
-        const Diffuse d = rough_diffuse(law, g.n_l, hn::Mul(f.view_n, f.inverse), l_v);
+    if (reflectance_model.rough) {
+        const Diffuse d = rough_diffuse(reflectance_model, g.n_l, hn::Mul(f.view_n, f.inverse), l_v);
         t.matt = hn::Add(keep(g.lit, d.value), ambient);
         for (int i = 0; i < 2; ++i) {
             const V dn_v = hn::Neg(fma(i == 0 ? f.view_x : f.view_y, f.inverse,

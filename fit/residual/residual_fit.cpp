@@ -16,7 +16,7 @@
 
 namespace tangi {
 
-using namespace faithful;
+using namespace residual_kernel;
 
 namespace {
 
@@ -26,7 +26,7 @@ constexpr double kSureOfGain = 2;
 
 constexpr int kBandRows = 256;
 constexpr std::size_t kKeptBytes = 256u << 20;  // of residual pictures
-constexpr std::size_t kFewestFaithful = 8;
+constexpr std::size_t kFewestForResidual = 8;
 constexpr double kEnergyKept = 0.998;  // [1] of the predicted residual's, by the terms that are kept
 
 // The photographs that were fitted, each as a stack of its own, and their light as the fit found it.
@@ -170,8 +170,8 @@ Matrix columns_of(const Matrix& residual, bool along) {
     return result;
 }
 
-FaithfulResidual::Weights rows_of(const Matrix& m) {
-    FaithfulResidual::Weights rows;
+RelightingResidual::Weights rows_of(const Matrix& m) {
+    RelightingResidual::Weights rows;
     for (Eigen::Index t = 0; t < m.rows(); ++t) {
         rows.emplace_back();
         for (Eigen::Index i = 0; i < m.cols(); ++i) rows.back().push_back(m(t, i));
@@ -180,7 +180,7 @@ FaithfulResidual::Weights rows_of(const Matrix& m) {
 }
 
 void accumulate(const Image<Vec3>& residual, const Matrix& along, const Matrix& across, Eigen::Index photo,
-                FaithfulResidual& result) {
+                RelightingResidual& result) {
     parallel_for(0, residual.height(), 8, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) {
             const auto from = residual.row(y);
@@ -199,7 +199,7 @@ void accumulate(const Image<Vec3>& residual, const Matrix& along, const Matrix& 
 }
 
 void compare_with(const Choice& choice, const Samples& s, const Colours& colours,
-                  const FaithfulOptions& options, FaithfulReport& report_) {
+                  const ResidualOptions& options, ResidualReport& report_) {
     const double n = static_cast<double>(s.photos.size());
     double sum = 0, square = 0;
     for (std::size_t i = 0; i < s.photos.size(); ++i) {
@@ -212,14 +212,14 @@ void compare_with(const Choice& choice, const Samples& s, const Colours& colours
     report_.kernel = choice.kernel;
     report_.reach = choice.reach;
     report_.ridge = choice.ridge;
-    report_.left_out_db = choice.mean_db;
+    report_.cv_psnr_db = choice.mean_db;
     report_.gain_error_db = std::sqrt(std::max(square / n - sum * sum / (n * n), 0.0) / std::max(n - 1, 1.0));
-    report_.used = sum / n > std::max(options.faithful_worth_db, kSureOfGain * report_.gain_error_db);
+    report_.used = sum / n > std::max(options.residual_min_gain_db, kSureOfGain * report_.gain_error_db);
 }
 
 }  // namespace
 
-FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const FaithfulOptions& options,
+ResidualFit fit_residual(const Surface& surface, const Stack& stack, const ResidualOptions& options,
                          const Progress& progress) {
     validate(options);
     require_consistent(surface);
@@ -229,15 +229,15 @@ FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const Faith
             "fitted from",
             stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
     const std::vector<FittedPhoto> photos = fitted_photos(surface, stack);
-    if (photos.size() < kFewestFaithful)
+    if (photos.size() < kFewestForResidual)
         fail(
             "{}: {} photographs are too few for a residual over the light's direction, which needs {}; fit "
             "without "
-            "--faithful",
-            stack.folder.string(), photos.size(), kFewestFaithful);
-    FaithfulFit result;
+            "--residual",
+            stack.folder.string(), photos.size(), kFewestForResidual);
+    ResidualFit result;
     const Colours colours = colours_of(surface, stack);
-    const std::vector<glm::ivec2> positions = sample_positions(surface, options.faithful_samples);
+    const std::vector<glm::ivec2> positions = sample_positions(surface, options.residual_samples);
     if (positions.empty()) return result;
 
     Samples samples;
@@ -266,9 +266,9 @@ FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const Faith
     const Matrix kernel = kernel_matrix(directions, choice.kernel, choice.reach);
     const Matrix inverse = inverse_of(kernel, choice.ridge);
     const Matrix predicted = kernel * inverse * samples.residual;
-    const Matrix along = components_of(columns_of(predicted, true), options.faithful_terms);
-    const Matrix across = components_of(columns_of(predicted, false), options.faithful_colour_terms);
-    FaithfulResidual& residual = result.residual;
+    const Matrix along = components_of(columns_of(predicted, true), options.residual_terms);
+    const Matrix across = components_of(columns_of(predicted, false), options.residual_colour_terms);
+    RelightingResidual& residual = result.residual;
     residual.kernel = choice.kernel;
     residual.reach = choice.reach;
     residual.light_radius_deg = light_radius_deg(surface, {});
@@ -291,13 +291,13 @@ FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const Faith
     return result;
 }
 
-nlohmann::json to_json(const FaithfulReport& report) {
+nlohmann::json to_json(const ResidualReport& report) {
     return {{"used", report.used},
             {"kernel", name_of(report.kernel)},
             {"reach", report.reach},
             {"ridge", report.ridge},
             {"surface_db", report.surface_db},
-            {"left_out_db", report.left_out_db},
+            {"cv_psnr_db", report.cv_psnr_db},
             {"gain_error_db", report.gain_error_db},
             {"terms", report.terms},
             {"colour_terms", report.colour_terms},

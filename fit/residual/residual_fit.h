@@ -17,44 +17,44 @@
 
 namespace tangi {
 
-struct FaithfulOptions {
-    int faithful_terms = 24;  // [1] most functions of the direction for the residual along the pixel's colour
-    int faithful_colour_terms = 6;  // [1] and across it; each has two coefficients
-    int faithful_samples = 5000;    // [1] pixels to choose the kernel and the functions by
-    double faithful_worth_db =
+struct ResidualOptions {
+    int residual_terms = 24;  // [1] most functions of the direction for the residual along the pixel's colour
+    int residual_colour_terms = 6;  // [1] and across it; each has two coefficients
+    int residual_samples = 5000;    // [1] pixels to choose the kernel and the functions by
+    double residual_min_gain_db =
         0.1;  // [dB] on photographs left out that the residual must gain, and twice its standard error
 
-    static constexpr std::string_view name = "faithful";
+    static constexpr std::string_view name = "residual";
     template <class Self, class Visit>
     static void fields(Self& self, Visit&& visit) {
-        visit(FieldInfo{"faithful_terms", 1, 200, "1",
+        visit(FieldInfo{"residual_terms", 1, 200, "1",
                         "coefficients a pixel of the residual's brightness, at most"},
-              self.faithful_terms);
-        visit(FieldInfo{"faithful_colour_terms", 0, 200, "1",
+              self.residual_terms);
+        visit(FieldInfo{"residual_colour_terms", 0, 200, "1",
                         "pairs of coefficients a pixel of its colour, at most"},
-              self.faithful_colour_terms);
-        visit(FieldInfo{"faithful_samples", 100, 100000, "1", "pixels that choose the residual's kernel"},
-              self.faithful_samples);
-        visit(FieldInfo{"faithful_worth_db", 0, 100, "dB",
-                        "gain on left-out photographs that a residual needs"},
-              self.faithful_worth_db);
+              self.residual_colour_terms);
+        visit(FieldInfo{"residual_samples", 100, 100000, "1", "pixels that choose the residual's kernel"},
+              self.residual_samples);
+        visit(FieldInfo{"residual_min_gain_db", 0, 100, "dB",
+                        "gain on validation photographs that a residual needs"},
+              self.residual_min_gain_db);
     }
 };
 
-struct FaithfulReport {
+struct ResidualReport {
     bool used = false;  // false: it gains nothing, there is no residual
-    FaithfulResidual::Kernel kernel = FaithfulResidual::Kernel::gaussian;
+    RelightingResidual::Kernel kernel = RelightingResidual::Kernel::gaussian;
     double reach = 0, ridge = 0;  // [1]
     double surface_db = 0;        // [dB] mean PSNR of the fitted photographs' samples, surface alone
-    double left_out_db = 0;       // [dB] and each with the residual that the others make
+    double cv_psnr_db = 0;        // [dB] and each with the residual that the others make
     double gain_error_db = 0;     // [dB] standard error of their difference
     int terms = 0, colour_terms = 0;
 };
-nlohmann::json to_json(const FaithfulReport& report);
+nlohmann::json to_json(const ResidualReport& report);
 
-struct FaithfulFit {
-    FaithfulResidual residual;  // empty where not used
-    FaithfulReport report;
+struct ResidualFit {
+    RelightingResidual residual;  // empty where not used
+    ResidualReport report;
 };
 
 // The residual of the photographs of the stack that the surface lists as fitted; held-out ones have no part.
@@ -63,7 +63,7 @@ struct FaithfulFit {
 // coefficient (36 with the default options), whatever the number of photographs, and up to 256 MB of
 // residuals, without which photographs are read twice. The same bits on any number of threads. Throws Error:
 // sizes that differ, fewer than 8 photographs; Cancelled.
-FaithfulFit fit_faithful(const Surface& surface, const Stack& stack, const FaithfulOptions& options = {},
+ResidualFit fit_residual(const Surface& surface, const Stack& stack, const ResidualOptions& options = {},
                          const Progress& progress = {});
 
 }  // namespace tangi

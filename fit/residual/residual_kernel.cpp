@@ -8,7 +8,7 @@
 
 #include "surface/base/parallel.h"
 
-namespace tangi::faithful {
+namespace tangi::residual_kernel {
 
 double psnr_with(const Samples& s, const Colours& colours, std::size_t photo,
                  const std::function<Vec3(std::size_t)>& residual) {
@@ -43,7 +43,7 @@ Matrix inverse_of(const Matrix& kernel, double ridge) {
     return (kernel + ridge * Matrix::Identity(n, n)).llt().solve(Matrix::Identity(n, n));
 }
 
-// Photographs that are left out are a whole step between lamps away from the others, and say little of what
+// Photographs that are left out are a whole step between lights away from the others, and say little of what
 // residuals do within it, edges of cast shadows above all. Of kernels that gain as much there, but for this
 // part, or for what is chance, the one that trusts single photographs least is taken, and of these the one of
 // least reach, which says less of lights far from all that were photographed.
@@ -98,4 +98,4 @@ Choice choose_kernel(const Samples& s, const Colours& colours, const std::vector
     });
 }
 
-}  // namespace tangi::faithful
+}  // namespace tangi::residual_kernel

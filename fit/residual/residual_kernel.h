@@ -1,5 +1,5 @@
-// residual_kernel.h: with which kernel the residuals of faithful mode are predicted best from one another.
-// For residual_fit.cpp alone: names of its own namespace, and Eigen.
+// residual_kernel.h: with which kernel the residuals of the relighting residual are predicted best from one
+// another. For residual_fit.cpp alone: names of its own namespace, and Eigen.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,10 +11,10 @@
 #include "fit/residual/residual_fit.h"
 #include "surface/image/colour.h"
 
-namespace tangi::faithful {
+namespace tangi::residual_kernel {
 
 using Matrix = Eigen::MatrixXd;
-using Kernel = FaithfulResidual::Kernel;
+using Kernel = RelightingResidual::Kernel;
 
 // Colours between the surface and what the camera saw.
 struct Colours {
@@ -58,4 +58,4 @@ struct Choice {
 Choice choose_kernel(const Samples& samples, const Colours& colours, const std::vector<Vec3>& directions,
                      const Progress& progress);
 
-}  // namespace tangi::faithful
+}  // namespace tangi::residual_kernel

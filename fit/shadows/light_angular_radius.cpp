@@ -10,19 +10,19 @@ namespace tangi {
 namespace {
 
 constexpr double kLargest_deg = 8;
-// [1] Of the misfit. Heights that are a little off gain 0.05 to 0.1 by 1.5 degrees where lamps have 0.25
+// [1] Of the misfit. Heights that are a little off gain 0.05 to 0.1 by 1.5 degrees where lights have 0.25
 // (generated stacks), and predict photographs 0.2 dB better with it.
 constexpr double kClearlyBetter = 0.03;
 
 }  // namespace
 
-LampRadius find_lamp_radius(const Surface& surface, const Survey& survey, const Transfer& transfer,
-                            const Lighting& lighting) {
-    LampRadius result;
-    for (double deg = Rig::kPointLamp_deg; deg <= kLargest_deg; deg *= 2)
+LightAngularRadius find_light_angular_radius(const Surface& surface, const Survey& survey,
+                                             const Transfer& transfer, const Lighting& lighting) {
+    LightAngularRadius result;
+    for (double deg = Rig::kPointLight_deg; deg <= kLargest_deg; deg *= 2)
         result.tried.push_back(
             {deg, shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level, deg)});
-    const auto best = std::ranges::min_element(result.tried, {}, &LampRadius::Trial::shadow_misfit);
+    const auto best = std::ranges::min_element(result.tried, {}, &LightAngularRadius::Trial::shadow_misfit);
     if (!(best->shadow_misfit < (1 - kClearlyBetter) * result.tried.front().shadow_misfit)) return result;
     result.deg = best->deg;
     if (best + 1 == result.tried.end()) return result;
@@ -33,9 +33,9 @@ LampRadius find_lamp_radius(const Surface& surface, const Survey& survey, const 
     return result;
 }
 
-nlohmann::json to_json(const LampRadius& radius) {
+nlohmann::json to_json(const LightAngularRadius& radius) {
     nlohmann::json tried = nlohmann::json::array();
-    for (const LampRadius::Trial& trial : radius.tried)
+    for (const LightAngularRadius::Trial& trial : radius.tried)
         tried.push_back({{"deg", trial.deg}, {"shadow_misfit", trial.shadow_misfit}});
     return {{"deg", radius.deg}, {"tried", tried}};
 }

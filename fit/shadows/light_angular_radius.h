@@ -1,4 +1,5 @@
-// light_angular_radius.h: how large lamps look from the painting, by how soft the shadows are that they cast.
+// light_angular_radius.h: how large lights look from the painting, by how soft the shadows are that they
+// cast.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,8 +11,8 @@
 
 namespace tangi {
 
-struct LampRadius {
-    double deg = Rig::kPointLamp_deg;
+struct LightAngularRadius {
+    double deg = Rig::kPointLight_deg;
     struct Trial {
         double deg;
         double shadow_misfit;  // [1] shadow_misfit(), less is better
@@ -19,15 +20,15 @@ struct LampRadius {
     std::vector<Trial> tried{};  // empty where shadows were not asked
 };
 
-// Of all lamps together: the angular radius, from a small lamp's by octaves to a softbox's, with which the
-// shadows that the surface's height casts agree best with those of the photographs; a small lamp's where that
-// is not clearly better, or no shadows are seen. Where the height or the lamps' directions are a little off,
-// shadows end where they should not, and are softer in the mean than the lamps are large: so it is what
+// Of all lights together: the angular radius, from a small light's by octaves to a softbox's, with which the
+// shadows that the surface's height casts agree best with those of the photographs; a small light's where
+// that is not clearly better, or no shadows are seen. Where the height or the lights' directions are a little
+// off, shadows end where they should not, and are softer in the mean than the lights are large: so it is what
 // predicts photographs, not what a ruler would measure.
-LampRadius find_lamp_radius(const Surface& surface, const Survey& survey, const Transfer& transfer,
-                            const Lighting& lighting);
+LightAngularRadius find_light_angular_radius(const Surface& surface, const Survey& survey,
+                                             const Transfer& transfer, const Lighting& lighting);
 
 // {"deg", "tried": [{"deg", "shadow_misfit"}, …]}
-nlohmann::json to_json(const LampRadius& radius);
+nlohmann::json to_json(const LightAngularRadius& radius);
 
 }  // namespace tangi

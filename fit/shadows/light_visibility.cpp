@@ -15,7 +15,7 @@ namespace {
 static_assert(kWardLanes == kMarchLanes);
 
 constexpr std::uint8_t kForgotten = 255;        // a run
-constexpr float kLit = 0.7f, kInShadow = 0.3f;  // [1] of what the lamp would show by itself
+constexpr float kLit = 0.7f, kInShadow = 0.3f;  // [1] of what the light would show by itself
 constexpr float kGrazing = 0.1f;                // [1] n.l: below it slopes that are a little off tell more
 constexpr float kVisible = 5;                   // [sigma]
 constexpr float kSlopeKnown = 0.04f;            // [1] confidence: a standard error of 0.5
@@ -48,7 +48,7 @@ Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y
     return lanes;
 }
 
-// Of a photograph, 1 where it shows the lamp hidden; where it shows it lit, and a horizon that were higher
+// Of a photograph, 1 where it shows the light hidden; where it shows it lit, and a horizon that were higher
 // might hide it; and the direction that counts then.
 struct Shown {
     WardLane hidden, lit;
@@ -105,19 +105,19 @@ std::uint32_t bits_of(const WardLane& lanes, int count) {
 
 }  // namespace
 
-LampsSeen::LampsSeen(int width, int height, int photos)
+LightVisibility::LightVisibility(int width, int height, int photos)
     : width_(width), photos_(photos), rows_(static_cast<std::size_t>(height)) {
     TP_REQUIRE(photos <= std::numeric_limits<std::uint16_t>::max(), "as many photographs as can be named");
 }
 
-bool LampsSeen::empty() const {
+bool LightVisibility::empty() const {
     return std::all_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.empty(); });
 }
 
-void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0,
-                     int y, int count) {
+void LightVisibility::look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0,
+                           int y, int count) {
     const Lanes lanes = lanes_of(surface, shadows, x0, y, count);
-    std::vector<LampSeen>& row = rows_[static_cast<std::size_t>(y)];
+    std::vector<SeenLight>& row = rows_[static_cast<std::size_t>(y)];
     Shown shown;
     for (std::size_t photo = 0; photo < batch.light.size(); ++photo) {
         find_shown(batch, lanes, shadows, photo, shown);
@@ -137,20 +137,20 @@ void LampsSeen::look(const WardBatch& batch, const Surface& surface, const CastS
     }
 }
 
-void LampsSeen::find_runs_of(std::size_t photo, const Surface& surface, const Lighting& lighting) {
+void LightVisibility::find_runs_of(std::size_t photo, const Surface& surface, const Lighting& lighting) {
     const auto width = static_cast<std::size_t>(width_);
     std::vector<bool> hidden(width * rows_.size());
     const auto for_hidden = [&](const auto& act) {
         for (std::size_t y = 0; y < rows_.size(); ++y) {
-            const auto first = std::ranges::lower_bound(rows_[y], photo, {}, &LampSeen::photo);
-            for (auto lamp = first; lamp != rows_[y].end() && lamp->photo == photo; ++lamp)
-                if (!lamp->lit) act(*lamp, static_cast<int>(lamp->x), static_cast<int>(y));
+            const auto first = std::ranges::lower_bound(rows_[y], photo, {}, &SeenLight::photo);
+            for (auto light = first; light != rows_[y].end() && light->photo == photo; ++light)
+                if (!light->lit) act(*light, static_cast<int>(light->x), static_cast<int>(y));
         }
     };
-    for_hidden([&](const LampSeen& lamp, int, int y) {
-        hidden[static_cast<std::size_t>(y) * width + lamp.x] = true;
+    for_hidden([&](const SeenLight& light, int, int y) {
+        hidden[static_cast<std::size_t>(y) * width + light.x] = true;
     });
-    for_hidden([&](LampSeen& lamp, int x, int y) {
+    for_hidden([&](SeenLight& light, int x, int y) {
         const Vec3 l = incidence(lighting.lights[photo], surface.point_mm(x, y), lighting.rig).direction;
         const float across = std::hypot(l.x, l.y);
         for (int run = 0; run < kShadowReach && across > 0; ++run) {
@@ -158,26 +158,26 @@ void LampsSeen::find_runs_of(std::size_t photo, const Surface& surface, const Li
             const auto u = static_cast<int>(std::lround(static_cast<float>(x) + t * l.x)),
                        v = static_cast<int>(std::lround(static_cast<float>(y) - t * l.y));
             if (u < 0 || v < 0 || u >= width_ || v >= height()) {
-                lamp.run = kForgotten;
+                light.run = kForgotten;
                 return;
             }
             if (!hidden[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)]) return;
-            lamp.run = static_cast<std::uint8_t>(run + 1);
+            light.run = static_cast<std::uint8_t>(run + 1);
         }
     });
 }
 
-void LampsSeen::find_runs(const Surface& surface, const Lighting& lighting) {
+void LightVisibility::find_runs(const Surface& surface, const Lighting& lighting) {
     parallel_for(0, height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
-            std::ranges::stable_sort(rows_[static_cast<std::size_t>(y)], {}, &LampSeen::photo);
+            std::ranges::stable_sort(rows_[static_cast<std::size_t>(y)], {}, &SeenLight::photo);
     });
     parallel_for(0, photos_, 1, [&](int begin, int end) {
         for (int photo = begin; photo < end; ++photo)
             find_runs_of(static_cast<std::size_t>(photo), surface, lighting);
     });
-    for (std::vector<LampSeen>& row : rows_) {
-        std::erase_if(row, [](const LampSeen& lamp) { return lamp.run == kForgotten; });
+    for (std::vector<SeenLight>& row : rows_) {
+        std::erase_if(row, [](const SeenLight& light) { return light.run == kForgotten; });
         row.shrink_to_fit();
     }
 }

@@ -13,7 +13,7 @@ namespace tangi {
 
 namespace {
 
-// What a shadow's edge is off by: a part of a pixel, and what the lamp's direction is. Figures hardly depend
+// What a shadow's edge is off by: a part of a pixel, and what the light's direction is. Figures hardly depend
 // on either (a factor of two: 0.1 dB of held-out photographs of the generated stacks with the highest
 // relief).
 constexpr float kEdgePixels = 0.02f;  // [pixels] of height
@@ -49,15 +49,16 @@ using Field = Image<float>;
 
 class Carving {
 public:
-    Carving(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges, Surface& surface);
+    Carving(const LightVisibility& lights, const Lighting& lighting, const SlopeEdges& edges,
+            Surface& surface);
     // Finds what contradicts; how many.
     long find();
     // Towards the minimum, with what was found.
     void improve(const std::function<void(double done)>& report);
-    long lamps() const { return sum(seen_); }
+    long lights() const { return sum(seen_); }
 
 private:
-    // What a march from a pixel towards a lamp meets.
+    // What a march from a pixel towards a light meets.
     struct March {
         bool leaves = false;  // the picture, where more relief may stand
         int hides = 0,
@@ -66,7 +67,7 @@ private:
         float rise_mm = 0;  // by how much
         float cost = std::numeric_limits<float>::max();  // [1] of that, squared, over its variance
     };
-    March march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const;
+    March march(int x, int y, float dx, float dy, float climb, const SeenLight& light) const;
     void find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const;
     Place place_at(float x, float y) const;
     float at(const Place& place, const Field& field) const;
@@ -81,7 +82,7 @@ private:
     template <class Product>
     double sum_over(const Product& product) const;
 
-    const LampsSeen& lamps_;
+    const LightVisibility& lights_;
     const Lighting& lighting_;
     const SlopeEdges& edges_;
     const Surface& surface_;
@@ -96,8 +97,9 @@ private:
     Field residual_, direction_, applied_, diagonal_;
 };
 
-Carving::Carving(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges, Surface& surface)
-    : lamps_(lamps),
+Carving::Carving(const LightVisibility& lights, const Lighting& lighting, const SlopeEdges& edges,
+                 Surface& surface)
+    : lights_(lights),
       lighting_(lighting),
       edges_(edges),
       surface_(surface),
@@ -137,7 +139,7 @@ float Carving::at(const Place& place, const Field& field) const {
     return a + place.down * (b - a);
 }
 
-Carving::March Carving::march(int x, int y, float dx, float dy, float climb, const LampSeen& lamp) const {
+Carving::March Carving::march(int x, int y, float dx, float dy, float climb, const SeenLight& light) const {
     March found;
     const float z0 = z_(x, y), most = highest_ - z0;
     float loose = loose_(x, y);
@@ -151,14 +153,14 @@ Carving::March Carving::march(int x, int y, float dx, float dy, float climb, con
             break;
         }
         const float short_of = climb * t - most;  // [mm] at least, from here on
-        if (short_of > 0 && (lamp.lit || short_of * short_of > 4 * found.cost * loose)) break;
+        if (short_of > 0 && (light.lit || short_of * short_of > 4 * found.cost * loose)) break;
         const float rise = at(place_at(px, py), z_) - z0;
         if (rise > found.top * t) found.top = rise / t, found.hides = distance;
         const float off = climb * t - rise;
-        if (lamp.lit) continue;
+        if (light.lit) continue;
         if (off <= 0) return found;  // it is hidden
         loose += loose_(static_cast<int>(px + 0.5f), static_cast<int>(py + 0.5f));
-        if (distance > lamp.run && off * off < found.cost * loose) {
+        if (distance > light.run && off * off < found.cost * loose) {
             found.cost = off * off / loose;
             found.rises = distance;
             found.rise_mm = off;
@@ -178,21 +180,21 @@ Pair Carving::pair_of(int x, int y, float dx, float dy, int distance, float clim
 }
 
 void Carving::find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const {
-    for (const LampSeen& lamp : lamps_.row(y)) {
-        const auto x = static_cast<int>(lamp.x);
+    for (const SeenLight& light : lights_.row(y)) {
+        const auto x = static_cast<int>(light.x);
         const Vec3 l =
-            incidence(lighting_.lights[lamp.photo], surface_.point_mm(x, y), lighting_.rig).direction;
+            incidence(lighting_.lights[light.photo], surface_.point_mm(x, y), lighting_.rig).direction;
         const float across = std::hypot(l.x, l.y);
         if (!(across > 0.1f)) continue;
         const float dx = l.x / across, dy = -l.y / across, climb = l.z / across * mm_;
-        const March met = march(x, y, dx, dy, climb, lamp);
+        const March met = march(x, y, dx, dy, climb, light);
         ++seen;
         const bool hidden = met.hides > 0 && met.top > climb;
-        if (hidden != lamp.lit) continue;
-        const int distance = lamp.lit ? met.hides : met.rises;
+        if (hidden != light.lit) continue;
+        const int distance = light.lit ? met.hides : met.rises;
         if (distance == 0) continue;
-        if (!lamp.lit && (met.leaves || shadows.visible_part(x, y, l) < 0.5f)) continue;
-        const float off = lamp.lit ? (met.top - climb) * static_cast<float>(distance) : met.rise_mm;
+        if (!light.lit && (met.leaves || shadows.visible_part(x, y, l) < 0.5f)) continue;
+        const float off = light.lit ? (met.top - climb) * static_cast<float>(distance) : met.rise_mm;
         pairs.push_back(pair_of(x, y, dx, dy, distance, climb, off));
     }
 }
@@ -327,15 +329,15 @@ void Carving::improve(const std::function<void(double done)>& report) {
 
 }  // namespace
 
-CarveReport carve_shadows(const LampsSeen& lamps, const Lighting& lighting, const SlopeEdges& edges,
+CarveReport carve_shadows(const LightVisibility& lights, const Lighting& lighting, const SlopeEdges& edges,
                           Surface& surface, const Progress& progress) {
-    TP_REQUIRE(lamps.height() == surface.height() && edges.right.region() == surface.height_mm.region(),
+    TP_REQUIRE(lights.height() == surface.height() && edges.right.region() == surface.height_mm.region(),
                "one size");
     CarveReport result;
-    if (surface.width() < 2 || surface.height() < 2 || lamps.empty()) return result;
-    Carving carving(lamps, lighting, edges, surface);
+    if (surface.width() < 2 || surface.height() < 2 || lights.empty()) return result;
+    Carving carving(lights, lighting, edges, surface);
     result.contradicted = result.left = carving.find();
-    result.lamps = carving.lamps();
+    result.lights = carving.lights();
     for (int round = 0; round < kRounds && result.left > 0; ++round) {
         const long before = result.left;
         carving.improve(

@@ -46,7 +46,7 @@ struct PartOfTile {
     std::vector<std::span<const float>> planes() const { return {volumes_mm.begin(), volumes_mm.end()}; }
 };
 
-// Of what is dry; more than a reflectance can hold is as much more under any lamp.
+// Of what is dry; more than a reflectance can hold is as much more under any light.
 Rgb seen_under(Illuminant illuminant, const Rgb& dry) {
     if (illuminant == Illuminant::d65) return dry;
     const float most = std::max({dry.r, dry.g, dry.b, 1.0f});
@@ -135,10 +135,10 @@ void update_lobes(const Surface& dry, const Region& part, const std::vector<floa
         for (int x = part.x0; x < part.x1; ++x, ++i) {
             const float specular = sheen.specular[i],
                         of_dry = specular > 0 ? std::min(sheen.coloured[i] / specular, 1.0f) : 0.0f;
-            if (!dry.lobe_colour.empty())
-                shown.at(&Surface::lobe_colour, x, y) =
-                    mm[i] > 0 && specular > 0 ? Rgb(1) + of_dry * (dry.lobe_colour(x, y) - Rgb(1))
-                                              : dry.lobe_colour(x, y);
+            if (!dry.specular_colour.empty())
+                shown.at(&Surface::specular_colour, x, y) =
+                    mm[i] > 0 && specular > 0 ? Rgb(1) + of_dry * (dry.specular_colour(x, y) - Rgb(1))
+                                              : dry.specular_colour(x, y);
             if (!dry.lobe_axes.empty())
                 shown.at(&Surface::lobe_axes, x, y) =
                     mm[i] > 0 ? axes_of(of_dry * stretch_of(dry.lobe_axes(x, y), dry.roughness(x, y)),
@@ -194,7 +194,7 @@ void update_part(const Canvas& canvas, const std::vector<const PaintLayer*>& lay
             confidence[x] = std::max(known[x], covered[i]);
         }
     }
-    if (!dry.lobe_colour.empty() || !dry.lobe_axes.empty()) update_lobes(dry, part, mm, sheen, shown);
+    if (!dry.specular_colour.empty() || !dry.lobe_axes.empty()) update_lobes(dry, part, mm, sheen, shown);
 }
 
 // What is to be made anew in one tile.

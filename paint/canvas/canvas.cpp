@@ -130,9 +130,9 @@ std::shared_ptr<const Surface> in_scale_of(const Canvas& canvas, std::shared_ptr
     scaled->scale_known = canvas.scale_known();
     Photography& p = scaled->photography;
     p.photos.clear();
-    p.lamps.reset();
+    p.lights.reset();
     p.beams.reset();
-    for (auto* mm : {&p.rig.camera_distance_mm, &p.rig.lamp_distance_mm})
+    for (auto* mm : {&p.rig.camera_distance_mm, &p.rig.light_distance_mm})
         if (*mm) **mm *= unit_mm;
     p.rig.camera_axis_mm *= unit_mm;
     p.rig.surface_above_mm *= unit_mm;

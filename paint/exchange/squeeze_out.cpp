@@ -85,8 +85,8 @@ void find_outwards(const StandingTip& tip, const StepBox& box, Outwards& out) {
     });
 }
 
-void press_out(const StepBox& box, const Outwards& outwards, float squeeze_per_mm, float film_mm,
-               StepScratch& scratch) {
+void squeeze_out(const StepBox& box, const Outwards& outwards, float squeeze_per_mm, float film_mm,
+                 StepScratch& scratch) {
     const auto width = static_cast<std::size_t>(box.width);
     const std::size_t area = width * static_cast<std::size_t>(box.height);
     scratch.planes.resize(std::max(scratch.planes.size(), 3 * area));

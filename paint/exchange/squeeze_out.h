@@ -29,7 +29,7 @@ void find_outwards(const StandingTip& tip, const StepBox& box, Outwards& out);
 
 // Moves squeeze_per_mm [1/mm] times its thickness of the paint (but the film) to the next pixels.
 // Conservative; reads the box's underside, paint and `open` only.
-void press_out(const StepBox& box, const Outwards& outwards, float squeeze_per_mm, float film_mm,
-               StepScratch& scratch);
+void squeeze_out(const StepBox& box, const Outwards& outwards, float squeeze_per_mm, float film_mm,
+                 StepScratch& scratch);
 
 }  // namespace tangi

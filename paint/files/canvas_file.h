@@ -28,8 +28,8 @@ void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& p
 void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
 
 // What a painting file holds beside dry surface and paint (parts of other modules: standard errors, the
-// residual of faithful mode), read into memory, to be written again with the canvas. Throws Error as
-// read_painting_part().
+// residual of the relighting residual), read into memory, to be written again with the canvas. Throws Error
+// as read_painting_part().
 std::vector<PartToWrite> parts_beside_paint(const std::filesystem::path& path, const Progress& progress = {});
 
 // The canvas with all its paint, bit for bit (`mm_per_pixel`: the scale where the painting's is unknown,

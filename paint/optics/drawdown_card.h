@@ -1,5 +1,5 @@
 // drawdown_card.h: a palette as a paint maker shows it: every paint on a card, by itself, with white, and
-// drawn out over black and white.
+// anisotropic over black and white.
 #pragma once
 
 #include "paint/optics/palette.h"

@@ -23,7 +23,7 @@ double dot(const Spectrum& a, const Spectrum& b) {
     return sum;
 }
 
-// From XYZ under the lamp to linear Rec. 709 under D65, white to white.
+// From XYZ under the light to linear Rec. 709 under D65, white to white.
 glm::dmat3 rgb_of_xyz(Illuminant illuminant) {
     // By columns, as glm has them; the same matrices as in surface/image/colour.cpp.
     const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
@@ -37,13 +37,13 @@ glm::dmat3 rgb_of_xyz(Illuminant illuminant) {
 
 std::array<std::array<Spectrum, 3>, kIlluminants> all_rgb_weights() {
     std::array<std::array<Spectrum, 3>, kIlluminants> all;
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-        const glm::dmat3 matrix = rgb_of_xyz(static_cast<Illuminant>(lamp));
+    for (std::size_t light = 0; light < kIlluminants; ++light) {
+        const glm::dmat3 matrix = rgb_of_xyz(static_cast<Illuminant>(light));
         for (std::size_t band = 0; band < kBands; ++band) {
-            const auto& xyz = kXyzWeights[lamp];
+            const auto& xyz = kXyzWeights[light];
             const glm::dvec3 rgb = matrix * glm::dvec3(xyz[0][band], xyz[1][band], xyz[2][band]);
             for (int c = 0; c < 3; ++c)
-                all[lamp][static_cast<std::size_t>(c)][band] = static_cast<float>(rgb[c]);
+                all[light][static_cast<std::size_t>(c)][band] = static_cast<float>(rgb[c]);
         }
     }
     return all;

@@ -1,4 +1,4 @@
-// spectrum.h: reflectance in 12 bands; what it looks like under a lamp, and a reflectance for a colour.
+// spectrum.h: reflectance in 12 bands; what it looks like under a light, and a reflectance for a colour.
 //
 // The bands lie where artists' paints change most, not at equal distances. Weights that turn them into XYZ
 // were fitted to mixtures of paints known at 38 wavelengths (docs/paint.md: method and errors).
@@ -17,7 +17,7 @@ using Spectrum = std::array<float, kBands>;  // one number a band; a reflectance
 inline constexpr std::array<float, kBands> kBand_nm = {410, 440, 470, 500, 510, 530,
                                                        550, 560, 580, 600, 630, 680};
 
-// Lamps that paint is looked at under: CIE A (tungsten), D50, D65 (daylight), F11 (three-band fluorescent;
+// Lights that paint is looked at under: CIE A (tungsten), D50, D65 (daylight), F11 (three-band fluorescent;
 // CIE 15), and a white LED of 3000 K: a blue peak at 452 nm and a phosphor's broad one at 588 nm
 // (docs/paint.md).
 enum class Illuminant { a, d50, d65, f11, warm_led };
@@ -27,18 +27,18 @@ inline constexpr int kIlluminants = 5;
 std::string_view name_of(Illuminant illuminant);
 std::optional<Illuminant> illuminant_named(std::string_view name);
 
-// CIE 1931 XYZ of a surface under a lamp; Y of a perfect white is 1.
+// CIE 1931 XYZ of a surface under a light; Y of a perfect white is 1.
 glm::dvec3 xyz_of(const Spectrum& reflectance, Illuminant illuminant);
 glm::dvec3 white_xyz(Illuminant illuminant);
 
-// Linear Rec. 709 of a surface under a lamp, as it looks to eyes that are used to the lamp: adapted to D65 by
-// Bradford's matrix (Lam 1985, as in ICC.1:2010, annex E). Grey is grey under every lamp. Not clipped.
+// Linear Rec. 709 of a surface under a light, as it looks to eyes that are used to the light: adapted to D65
+// by Bradford's matrix (Lam 1985, as in ICC.1:2010, annex E). Grey is grey under every light. Not clipped.
 Rgb to_linear_rgb(const Spectrum& reflectance, Illuminant illuminant = Illuminant::d65);
 
 // The same as weights: rgb[c] = sum of weights[c][band] * reflectance[band].
 std::array<Spectrum, 3> rgb_weights(Illuminant illuminant);
 
-// CIE 1976 L*a*b* relative to the lamp's own white, 2 degrees.
+// CIE 1976 L*a*b* relative to the light's own white, 2 degrees.
 Lab lab_under(const Spectrum& reflectance, Illuminant illuminant = Illuminant::d65);
 
 // A reflectance whose colour under D65 is `linear`, exactly (to 1e-5) where all of it lies in [0, 1]. The sum

@@ -53,8 +53,8 @@ std::vector<History::LayerChange> History::changes(const std::vector<DriedLayer>
     return result;
 }
 
-History::KeptHand History::kept_hand(const std::optional<BrushInHand>& hand) {
-    KeptHand result{hand, {}};
+History::KeptController History::kept_hand(const std::optional<BrushInHand>& hand) {
+    KeptController result{hand, {}};
     if (!hand) return result;
     for (const PaintLayer::TilePtr& cells : hand->cells) result.cells.push_back({cells, nullptr});
     result.brush->cells.clear();
@@ -120,7 +120,7 @@ void History::store(Action& action) {
     };
     move(action.wet);
     for (LayerChange& layer : action.dried) move(layer.tiles);
-    for (KeptHand* hand : {&action.hand_before, &action.hand_after})
+    for (KeptController* hand : {&action.hand_before, &action.hand_after})
         for (Kept& cells : hand->cells) put(cells);
     action.bytes = 0;
 }
@@ -169,7 +169,7 @@ void History::restore(Canvas& canvas, const Action& action, bool forwards, std::
             tiles.emplace_back(change.at, tile_of(forwards ? change.after : change.before));
         return tiles;
     };
-    const KeptHand& kept = forwards ? action.hand_after : action.hand_before;
+    const KeptController& kept = forwards ? action.hand_after : action.hand_before;
     std::optional<BrushInHand> held = kept.brush;
     for (const Kept& cells : kept.cells) held->cells.push_back(tile_of(cells));
     const auto put = [&](PaintLayer& layer, Tiles tiles) {

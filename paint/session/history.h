@@ -69,7 +69,7 @@ private:
         std::vector<Change> tiles;
     };
     // What was in the hand; where it was a brush, `brush` has no cells, which are kept as tiles.
-    struct KeptHand {
+    struct KeptController {
         std::optional<BrushInHand> brush;
         std::vector<Kept> cells;
     };
@@ -77,7 +77,7 @@ private:
         Place place = Place::painting;
         std::vector<Change> wet;
         std::vector<LayerChange> dried;
-        KeptHand hand_before, hand_after;
+        KeptController hand_before, hand_after;
         std::size_t bytes = 0;  // of memory that goes with it
     };
     using Tiles = std::vector<std::pair<TileIndex, PaintLayer::TilePtr>>;
@@ -85,7 +85,7 @@ private:
     static std::vector<Change> changes(const PaintLayer& before, const PaintLayer& after);
     static std::vector<LayerChange> changes(const std::vector<DriedLayer>& before,
                                             const std::vector<DriedLayer>& after);
-    static KeptHand kept_hand(const std::optional<BrushInHand>& hand);
+    static KeptController kept_hand(const std::optional<BrushInHand>& hand);
     PaintLayer::TilePtr tile_of(const Kept& kept);
     void restore(Canvas& canvas, const Action& action, bool forwards, std::optional<BrushInHand>* hand);
     void store(Action& action);

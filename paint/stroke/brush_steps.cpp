@@ -92,7 +92,7 @@ double one_step(PaintWindow& window, Brush& brush, const Dab& wanted, const Regi
     exchange_and_push(step, rates, motion, memory.step);
     if (dab.stands && rates.squeeze_per_mm > 0) {
         find_outwards(brush.standing(dab, box.x0, box.y0), step, memory.outwards);
-        press_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, memory.step);
+        squeeze_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, memory.step);
     }
     double pixels = 0;
     for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
@@ -120,7 +120,7 @@ Region box_of(const Brush& brush, const Dab& dab) {
 }
 
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  OtherPaint& other, DabMemory& memory) {
+                  UpperFilm& other, DabMemory& memory) {
     double pixels = 0;
     // Windows as large as some steps take; dividing the steps otherwise would not change the result.
     for (std::size_t begin = 0; begin < dabs.size();) {

@@ -28,6 +28,6 @@ Region box_of(const Brush& brush, const Dab& dab);
 // Applies steps of a brush in order. What Stroke does with its dabs; for tests and benchmarks. `other` is
 // that of the whole stroke. Returns the number of pixels under the brush, summed over the steps.
 double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::uint64_t seed,
-                  OtherPaint& other, DabMemory& memory);
+                  UpperFilm& other, DabMemory& memory);
 
 }  // namespace tangi

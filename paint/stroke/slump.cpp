@@ -13,7 +13,7 @@ constexpr float kFlowed = 1.4f;  // [1] of the step that paint holds: enough has
 
 // Steps that paint flows before one looks whether that is enough, how often one looks at most, and [pixels]
 // how far from a wall paint may flow.
-constexpr int kSteps = 8, kLooks = 8, kAround = 16;
+constexpr int kSteps = 8, kViewModes = 8, kAround = 16;
 
 // The highest step between neighbours of a row, and to those of the next one.
 float highest_step(int n, const float* row, const float* next) {
@@ -82,7 +82,7 @@ std::vector<Region> walls_in(const Canvas& canvas, std::span<const Region> parts
     return walls;
 }
 
-void collapse(Canvas& canvas, const Region& region, const TransferRates& rates, DabMemory& memory) {
+void slump(Canvas& canvas, const Region& region, const TransferRates& rates, DabMemory& memory) {
     TransferRates flows;
     flows.yield_mm = rates.yield_mm;
     flows.flow = rates.flow;
@@ -97,7 +97,7 @@ void collapse(Canvas& canvas, const Region& region, const TransferRates& rates, 
     step.underside_mm = memory.underside.data();
     step.underside_stride = static_cast<std::size_t>(step.width);
     window.attach(step, region.x0, region.y0);
-    for (int look = 0; look < kLooks; ++look) {
+    for (int look = 0; look < kViewModes; ++look) {
         for (int i = 0; i < kSteps; ++i) push(step, flows, {}, memory.step);
         window.store(canvas);
         if (wall_in(canvas, region, kFlowed * rates.yield_mm).empty()) break;

@@ -19,6 +19,6 @@ std::vector<Region> walls_in(const Canvas& canvas, std::span<const Region> parts
 // Lets paint in `region`, one of walls_in(), flow down until no step is higher than 1.4 rates.yield_mm, or as
 // far as it comes in some dozen steps. Films and bulges stay as they are. Conservative, the same on any
 // number of threads.
-void collapse(Canvas& canvas, const Region& region, const TransferRates& rates, DabMemory& memory);
+void slump(Canvas& canvas, const Region& region, const TransferRates& rates, DabMemory& memory);
 
 }  // namespace tangi

@@ -155,7 +155,7 @@ void Stroke::finish() {
     paint();
     brush_.rest();
     if (last_) relax(*last_);
-    for (int i = 0; i < kCollapses && collapse_walls(kWall, steps_); ++i) continue;
+    for (int i = 0; i < kCollapses && slump_walls(kWall, steps_); ++i) continue;
     settle_paint(std::numeric_limits<int>::max());
     while (look_ && look_at_s_ < age_s()) call_look();
 }
@@ -289,7 +289,7 @@ void Stroke::paint() {
         bristle_pixels_ += paint_dabs(canvas_, brush_, dabs, seed_, other_, memory_);
         begin = end;
         if (steps_ + static_cast<int>(end) == rest_at) {
-            if (rest_at % kLooksForWalls == 0) collapse_walls(kHighWall, rest_at);
+            if (rest_at % kLooksForWalls == 0) slump_walls(kHighWall, rest_at);
             settle_paint(rest_at - kSettle);
         }
     }

@@ -95,7 +95,7 @@ private:
     void come_over(const Dab& dab);
     void come_over(const Region& part, int step);
     // Where the brush went, so many times [1] as steep as paint holds (slump.h). Whether there was any.
-    bool collapse_walls(float times, int step);
+    bool slump_walls(float times, int step);
     // Of tiles that no step came over from this one on: paint that the stroke left there
     // (quantise_volumes.h).
     void settle_paint(int before_step);
@@ -104,7 +104,7 @@ private:
     Brush& brush_;
     StrokeOptions options_;
     std::uint64_t seed_;
-    OtherPaint other_;
+    UpperFilm other_;
     std::vector<Knot> knots_;  // the last four at most
     std::optional<PathPoint> string_end_;
     double spacing_px_ = 1;  // between steps, less where the brush turns

@@ -108,14 +108,14 @@ void Stroke::relax(const Dab& last) {
     window.store(canvas_);
 }
 
-bool Stroke::collapse_walls(float times, int step) {
+bool Stroke::slump_walls(float times, int step) {
     std::vector<Region> parts;
     for (const auto& [at, under_way] : under_way_) parts.push_back(under_way.part);
     const TransferRates rates = rates_of(brush_.settings(), canvas_.mm_per_pixel());
     const std::vector<Region> walls = walls_in(canvas_, parts, times * rates.yield_mm);
     for (const Region& wall : walls) {
         come_over(wall, step);
-        collapse(canvas_, wall, rates, memory_);
+        slump(canvas_, wall, rates, memory_);
     }
     return !walls.empty();
 }

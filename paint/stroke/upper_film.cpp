@@ -14,7 +14,7 @@ constexpr float kThin_mm = 5e-4f;      // other paint of which there is less is 
 
 }  // namespace
 
-OtherPaint::OtherPaint(const Brush& brush) {
+UpperFilm::UpperFilm(const Brush& brush) {
     if (brush.ingredients().empty()) return;
     std::vector<double> mm3 = brush.volumes_mm3(brush.ingredients().back() + std::size_t(1));
     const double all = std::accumulate(mm3.begin(), mm3.end(), 0.0);
@@ -23,7 +23,7 @@ OtherPaint::OtherPaint(const Brush& brush) {
     brought_ = std::move(mm3);
 }
 
-bool OtherPaint::met(const PaintLayer& wet, const Brush& brush, const Dab& dab, const Region& box) {
+bool UpperFilm::met(const PaintLayer& wet, const Brush& brush, const Dab& dab, const Region& box) {
     const Region part = intersection(box, wet.region());
     if (met_ || part.empty()) return met_;
     bool near = false;
@@ -37,7 +37,7 @@ bool OtherPaint::met(const PaintLayer& wet, const Brush& brush, const Dab& dab, 
     return met_;
 }
 
-bool OtherPaint::is_under(const Brush& brush, const Dab& dab, const Region& part) const {
+bool UpperFilm::is_under(const Brush& brush, const Dab& dab, const Region& part) const {
     const TipOutline outline = brush.outline(dab);
     const auto reach_mm = static_cast<float>(brush.settings().reach_mm);
     double cx, cy;
@@ -60,7 +60,7 @@ bool OtherPaint::is_under(const Brush& brush, const Dab& dab, const Region& part
     return false;
 }
 
-std::unique_ptr<const OtherPaint::Depths> OtherPaint::where(const PaintTile& tile) const {
+std::unique_ptr<const UpperFilm::Depths> UpperFilm::where(const PaintTile& tile) const {
     constexpr auto pixels = static_cast<std::size_t>(PaintTile::kPixels);
     std::array<float, pixels> all{}, above{}, differ{};
     const auto part_of = [&](IngredientId id) {

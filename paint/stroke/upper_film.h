@@ -14,9 +14,9 @@ namespace tangi {
 // Whether a stroke has met other wet paint than its brush brought: from then on, what it lays stays above as
 // an upper film. Of one stroke, and by what lay there before it: how steps are grouped does not matter, nor
 // where tiles begin.
-class OtherPaint {
+class UpperFilm {
 public:
-    explicit OtherPaint(const Brush& brush);
+    explicit UpperFilm(const Brush& brush);
     // To be asked for each step in its turn, before it is painted; `box`: the pixels that it may change.
     // Other paint is met where bristles come over it.
     bool met(const PaintLayer& wet, const Brush& brush, const Dab& dab, const Region& box);

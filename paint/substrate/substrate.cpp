@@ -85,9 +85,9 @@ struct Piece {
         return tiled_noise(x_mm / width_mm * static_cast<float>(columns),
                            y_mm / height_mm * static_cast<float>(rows), columns, rows, hash(seed, which));
     }
-    // Without preferred directions, or drawn out along x.
-    float felt(float x_mm, float y_mm, float size, Seed which, float drawn_out = 1) const {
-        const int columns = std::max(1, static_cast<int>(std::lround(width_mm / (size * drawn_out))));
+    // Without preferred directions, or anisotropic along x.
+    float felt(float x_mm, float y_mm, float size, Seed which, float anisotropic = 1) const {
+        const int columns = std::max(1, static_cast<int>(std::lround(width_mm / (size * anisotropic))));
         const int rows = std::max(1, static_cast<int>(std::lround(height_mm / size)));
         return tiled_slopes(x_mm / width_mm * static_cast<float>(columns),
                             y_mm / height_mm * static_cast<float>(rows), columns, rows, hash(seed, which));

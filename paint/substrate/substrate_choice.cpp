@@ -127,7 +127,7 @@ void apply(const SubstrateFinish& finish, Surface& surface) {
     if (!finish.roughness) return;
     const Image<float> before = surface.roughness;
     scale_to(*finish.roughness, kSmoothest, surface.confidence, surface.roughness);
-    for (std::size_t i = 0; i < surface.lobe_axes.size(); ++i)  // as drawn out as they were
+    for (std::size_t i = 0; i < surface.lobe_axes.size(); ++i)  // as anisotropic as they were
         surface.lobe_axes.pixels()[i].roughness_v *= surface.roughness.pixels()[i] / before.pixels()[i];
 }
 

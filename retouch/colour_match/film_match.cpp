@@ -70,8 +70,8 @@ private:
     // Residuals whose squares sum up to sum |difference|^power.
     void evaluate(const double* logs, double* residuals) const {
         match_.residuals(at(logs), residuals);
-        for (int lamp = 0; lamp < kIlluminants; ++lamp) {
-            double* r = residuals + 3 * lamp;
+        for (int illuminant = 0; illuminant < kIlluminants; ++illuminant) {
+            double* r = residuals + 3 * illuminant;
             if (power_ == 2) continue;
             const double squares = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
             const double factor = std::pow(squares + 1e-12, power_ / 4 - 0.5);
@@ -87,9 +87,10 @@ private:
 }  // namespace
 
 FilmMatch::FilmMatch(std::span<const Pigment> paints, const Spectrum& target,
-                     std::span<const Illuminant> lamps, const std::optional<FilmOnGround>& film)
-    : lamps_(lamps.begin(), lamps.end()) {
-    TP_REQUIRE(!paints.empty() && !lamps.empty() && lamps.size() <= kIlluminants, "paints and lamps");
+                     std::span<const Illuminant> illuminants, const std::optional<FilmOnGround>& film)
+    : illuminants_(illuminants.begin(), illuminants.end()) {
+    TP_REQUIRE(!paints.empty() && !illuminants.empty() && illuminants.size() <= kIlluminants,
+               "paints and illuminants");
     for (const Pigment& paint : paints) {
         k_.emplace_back(), s_.emplace_back();
         double sum = 0;
@@ -100,16 +101,18 @@ FilmMatch::FilmMatch(std::span<const Pigment> paints, const Spectrum& target,
         }
         mean_s_.push_back(std::max(sum / kBands, 1e-6));
     }
-    for (const Illuminant lamp : lamps) {
-        const glm::dvec3 white = white_xyz(lamp);
+    for (const Illuminant illuminant : illuminants) {
+        const glm::dvec3 white = white_xyz(illuminant);
         auto& weights = weights_.emplace_back();
         for (std::size_t c = 0; c < 3; ++c)
             for (std::size_t band = 0; band < kBands; ++band)
-                weights[c][band] = static_cast<double>(kXyzWeights[static_cast<std::size_t>(lamp)][c][band]) /
-                                   white[static_cast<int>(c)];
+                weights[c][band] =
+                    static_cast<double>(kXyzWeights[static_cast<std::size_t>(illuminant)][c][band]) /
+                    white[static_cast<int>(c)];
     }
     for (std::size_t band = 0; band < kBands; ++band) target_[band] = static_cast<double>(target[band]);
-    for (std::size_t lamp = 0; lamp < weights_.size(); ++lamp) target_lab_.push_back(lab_of(target_, lamp));
+    for (std::size_t illuminant = 0; illuminant < weights_.size(); ++illuminant)
+        target_lab_.push_back(lab_of(target_, illuminant));
     if (!film) return;
     if (!(film->thickness_mm > 0 && film->thickness_mm <= 10))
         fail("film of {} mm: is outside of (0, 10]", film->thickness_mm);
@@ -133,11 +136,12 @@ void FilmMatch::look_of(const Mixture& m, Bands& reflectance) const {
     }
 }
 
-Lab FilmMatch::lab_of(const Bands& reflectance, std::size_t lamp) const {
+Lab FilmMatch::lab_of(const Bands& reflectance, std::size_t illuminant) const {
     double f[3];
     for (std::size_t c = 0; c < 3; ++c) {
         double x = 0;
-        for (std::size_t band = 0; band < kBands; ++band) x += weights_[lamp][c][band] * reflectance[band];
+        for (std::size_t band = 0; band < kBands; ++band)
+            x += weights_[illuminant][c][band] * reflectance[band];
         constexpr double epsilon = 216.0 / 24389, kappa = 24389.0 / 27;
         f[c] = x > epsilon ? std::cbrt(x) : (kappa * x + 16) / 116;
     }
@@ -157,9 +161,9 @@ void FilmMatch::residuals(const Mixture& mixture, double* parts) const {
     Bands reflectance;
     look_of(mixture, reflectance);
     std::fill(parts, parts + kResiduals, 0.0);
-    for (std::size_t lamp = 0; lamp < lamps_.size(); ++lamp) {
-        const glm::dvec3 d = delta_e_2000_parts(target_lab_[lamp], lab_of(reflectance, lamp));
-        for (int i = 0; i < 3; ++i) parts[3 * static_cast<int>(lamp) + i] = d[i];
+    for (std::size_t illuminant = 0; illuminant < illuminants_.size(); ++illuminant) {
+        const glm::dvec3 d = delta_e_2000_parts(target_lab_[illuminant], lab_of(reflectance, illuminant));
+        for (int i = 0; i < 3; ++i) parts[3 * static_cast<int>(illuminant) + i] = d[i];
     }
 }
 
@@ -167,8 +171,9 @@ std::vector<double> FilmMatch::differences(const Mixture& mixture) const {
     double parts[kResiduals];
     residuals(mixture, parts);
     std::vector<double> result;
-    for (int lamp = 0; lamp < lamps(); ++lamp)
-        result.push_back(std::hypot(parts[3 * lamp], parts[3 * lamp + 1], parts[3 * lamp + 2]));
+    for (int illuminant = 0; illuminant < illuminants(); ++illuminant)
+        result.push_back(
+            std::hypot(parts[3 * illuminant], parts[3 * illuminant + 1], parts[3 * illuminant + 2]));
     return result;
 }
 
@@ -204,19 +209,21 @@ std::vector<double> FilmMatch::gram() const {
     }
     std::vector<std::array<double, kResiduals + kBands>> columns(static_cast<std::size_t>(n));
     std::array<Bands, kResiduals> jacobian{};
-    for (std::size_t lamp = 0; lamp < lamps_.size(); ++lamp) {
+    for (std::size_t illuminant = 0; illuminant < illuminants_.size(); ++illuminant) {
         for (std::size_t band = 0; band < kBands; ++band) {
             Bands moved = target_;
             moved[band] += 1e-5;
-            const glm::dvec3 d = delta_e_2000_parts(target_lab_[lamp], lab_of(moved, lamp));
-            for (int i = 0; i < 3; ++i) jacobian[3 * lamp + static_cast<std::size_t>(i)][band] = d[i] / 1e-5;
+            const glm::dvec3 d = delta_e_2000_parts(target_lab_[illuminant], lab_of(moved, illuminant));
+            for (int i = 0; i < 3; ++i)
+                jacobian[3 * illuminant + static_cast<std::size_t>(i)][band] = d[i] / 1e-5;
         }
     }
     for (std::size_t p = 0; p < columns.size(); ++p)
         for (std::size_t band = 0; band < kBands; ++band) {
             const double change = slope[band] * (k_[p][band] - q[band] * s_[p][band]) / mean_s_[p];
             for (std::size_t r = 0; r < kResiduals; ++r) columns[p][r] += jacobian[r][band] * change;
-            // A little of the spectrum itself, so that one lamp alone tells spectra apart that look the same.
+            // A little of the spectrum itself, so that one illuminant alone tells spectra apart that look the
+            // same.
             columns[p][kResiduals + band] = change;
         }
     std::vector<double> product(static_cast<std::size_t>(n * n));
@@ -252,7 +259,7 @@ Mixture FilmMatch::refined(const Mixture& start, MatchGoal goal) const {
         logs[i - 1] = std::log(std::max(start.volumes[static_cast<std::size_t>(i)], 1e-9) /
                                std::max(start.volumes[0], 1e-9));
     for (const double power : {2.0, 8.0}) {
-        if (power > 2 && (goal != MatchGoal::worst || lamps() < 2)) break;
+        if (power > 2 && (goal != MatchGoal::worst || illuminants() < 2)) break;
         const Finish finish(*this, start, power);
         ceres::TinySolver<Finish> solver;
         solver.options = options;

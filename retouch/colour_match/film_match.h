@@ -1,5 +1,5 @@
-// film_match.h: how far a mixture of paints is from a colour to be matched, under several lamps at once; what
-// the search for recipes minimises.
+// film_match.h: how far a mixture of paints is from a colour to be matched, under several illuminants at
+// once; what the search for recipes minimises.
 #pragma once
 
 #include <array>
@@ -26,53 +26,53 @@ struct Mixture {
     int count = 0;
 };
 
-// What the error of a recipe is: the worst of its differences under the lamps, or their mean.
+// What the error of a recipe is: the worst of its differences under the illuminants, or their mean.
 enum class MatchGoal { worst, mean };
 
-// A target, a box of paints, lamps. Immutable; any number of threads may use one.
+// A target, a box of paints, illuminants. Immutable; any number of threads may use one.
 class FilmMatch {
 public:
-    // Throws ContractError without paints or lamps, Error naming the film's thickness where it is outside of
-    // (0, 10].
-    FilmMatch(std::span<const Pigment> paints, const Spectrum& target, std::span<const Illuminant> lamps,
-              const std::optional<FilmOnGround>& film);
+    // Throws ContractError without paints or illuminants, Error naming the film's thickness where it is
+    // outside of (0, 10].
+    FilmMatch(std::span<const Pigment> paints, const Spectrum& target,
+              std::span<const Illuminant> illuminants, const std::optional<FilmOnGround>& film);
 
     int paints() const { return static_cast<int>(k_.size()); }
-    int lamps() const { return static_cast<int>(lamps_.size()); }
+    int illuminants() const { return static_cast<int>(illuminants_.size()); }
 
     Spectrum look(const Mixture& mixture) const;  // outside
-    // CIEDE2000 under each lamp, and the goal of them.
+    // CIEDE2000 under each illuminant, and the goal of them.
     std::vector<double> differences(const Mixture& mixture) const;
     double error(const Mixture& mixture, MatchGoal goal) const;
 
     // A^T A of the linearised problem: for weights w = volume * mean S (of all bands), |A w|^2 is nearly the
-    // sum of squares of CIEDE2000 under these lamps. In each band, what is left of K - q S, q that K/S of the
-    // target (two-constant theory solved for ratios: Walowit, McCarthy, Berns 1988), times dR/dq, times the
-    // derivatives of colour.
+    // sum of squares of CIEDE2000 under these illuminants. In each band, what is left of K - q S, q that K/S
+    // of the target (two-constant theory solved for ratios: Walowit, McCarthy, Berns 1988), times dR/dq,
+    // times the derivatives of colour.
     std::vector<double> gram() const;
     Mixture from_weights(const SubsetFit& fit) const;  // volumes in place of weights
 
     // Finishes in continuous parts (Levenberg-Marquardt on the logarithms of parts; ceres::TinySolver): the
-    // sum of squares under the lamps, then, for the goal `worst`, the sum of eighth powers. Never worse than
-    // the start.
+    // sum of squares under the illuminants, then, for the goal `worst`, the sum of eighth powers. Never worse
+    // than the start.
     Mixture refined(const Mixture& start, MatchGoal goal) const;
 
     // Half of the second derivatives of the sum of squares by the logarithms of the parts, count x count.
     std::array<double, kMostPaints * kMostPaints> curvature(const Mixture& mixture) const;
 
     static constexpr int kResiduals = 3 * kIlluminants;
-    // Three parts of CIEDE2000 a lamp, 0 behind them.
+    // Three parts of CIEDE2000 a illuminant, 0 behind them.
     void residuals(const Mixture& mixture, double* parts) const;
 
 private:
     using Bands = std::array<double, kBands>;
     void look_of(const Mixture& mixture, Bands& reflectance) const;
-    Lab lab_of(const Bands& reflectance, std::size_t lamp) const;
+    Lab lab_of(const Bands& reflectance, std::size_t illuminant) const;
 
     std::vector<Bands> k_, s_;
     std::vector<double> mean_s_;
-    std::vector<Illuminant> lamps_;
-    std::vector<std::array<Bands, 3>> weights_;  // XYZ relative to white, by lamp
+    std::vector<Illuminant> illuminants_;
+    std::vector<std::array<Bands, 3>> weights_;  // XYZ relative to white, by illuminant
     std::vector<Lab> target_lab_;
     Bands target_{}, below_inside_{};
     std::optional<double> film_mm_;

@@ -22,7 +22,7 @@ double glossier(const Gloss& a, const Gloss& b);
 
 // Whether paint, with what is added to it or laid over it, can reflect so much: rho_s of a varnish is 0.05 at
 // most (Fresnel's reflection at n = 1.57), and agents only spread it. A fitted lobe may hold more, such as
-// that of gilding, or what lamps of unknown distance leave.
+// that of gilding, or what illuminants of unknown distance leave.
 inline constexpr double kMostSpecular = 0.05;
 bool can_reflect(const Gloss& paint, const Gloss& wanted);
 

@@ -17,12 +17,12 @@ constexpr std::size_t kSets = 60;          // of paints, of each size, that are 
 constexpr std::size_t kMeasuredSets = 14;  // of those, the ones that are measured out
 constexpr std::size_t kWaysOfSet = 48;     // to measure one out that are looked at exactly
 constexpr double kTrace = 1.0 / 3000;      // part by volume that no measure reaches
-constexpr std::array<Illuminant, kIlluminants> kAllLamps = {Illuminant::a, Illuminant::d50, Illuminant::d65,
-                                                            Illuminant::f11, Illuminant::warm_led};
+constexpr std::array<Illuminant, kIlluminants> kAllIlluminants = {
+    Illuminant::a, Illuminant::d50, Illuminant::d65, Illuminant::f11, Illuminant::warm_led};
 constexpr int kMostForFour = 40;  // paints of which all sets of four are looked at
 
-Lab lab_of(const glm::dvec3& xyz, Illuminant lamp) {
-    const glm::dvec3 t = xyz / white_xyz(lamp);
+Lab lab_of(const glm::dvec3& xyz, Illuminant illuminant) {
+    const glm::dvec3 t = xyz / white_xyz(illuminant);
     const auto f = [](double x) {
         constexpr double epsilon = 216.0 / 24389, kappa = 24389.0 / 27;
         return x > epsilon ? std::cbrt(x) : (kappa * x + 16) / 116;
@@ -137,7 +137,7 @@ std::vector<Candidate> search(const FilmMatch& match, const MatchOptions& option
     return result;
 }
 
-MatchedRecipe described(const Candidate& candidate, const FilmMatch& match, const FilmMatch& all_lamps,
+MatchedRecipe described(const Candidate& candidate, const FilmMatch& match, const FilmMatch& all_illuminants,
                         const Spectrum& target, MatchGoal goal) {
     MatchedRecipe r;
     r.steps = candidate.measured.steps;
@@ -146,10 +146,10 @@ MatchedRecipe described(const Candidate& candidate, const FilmMatch& match, cons
     r.error = candidate.error;
     r.ideal_error = match.error(candidate.ideal, goal);
     r.look = match.look(r.mixture);
-    const auto each = all_lamps.differences(r.mixture);
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-        r.delta_e[lamp] = each[lamp];
-        r.metamerism[lamp] = metamerism_index(target, r.look, static_cast<Illuminant>(lamp));
+    const auto each = all_illuminants.differences(r.mixture);
+    for (std::size_t illuminant = 0; illuminant < kIlluminants; ++illuminant) {
+        r.delta_e[illuminant] = each[illuminant];
+        r.metamerism[illuminant] = metamerism_index(target, r.look, static_cast<Illuminant>(illuminant));
     }
     return r;
 }
@@ -157,7 +157,7 @@ MatchedRecipe described(const Candidate& candidate, const FilmMatch& match, cons
 void require_valid(std::span<const Pigment> paints, const MatchOptions& options) {
     validate(options);
     if (paints.empty()) fail("the paint box is empty; give a palette with a paint at least");
-    if (options.lamps.empty()) fail("no lamp counts; name one at least, as in D65,A,F11");
+    if (options.illuminants.empty()) fail("no illuminant counts; name one at least, as in D65,A,F11");
     TP_REQUIRE(options.allowed.empty() || options.allowed.size() == paints.size() * paints.size(),
                "a word for every pair of paints");
 }
@@ -167,11 +167,11 @@ void require_valid(std::span<const Pigment> paints, const MatchOptions& options)
 MatchResult match_spectrum(std::span<const Pigment> paints, const Spectrum& target,
                            const MatchOptions& options) {
     require_valid(paints, options);
-    const FilmMatch match(paints, target, options.lamps, options.film);
+    const FilmMatch match(paints, target, options.illuminants, options.film);
     std::vector<Candidate> candidates = search(match, options);
-    if (options.lamps.size() > 1)
-        for (const Illuminant& lamp : options.lamps) {
-            const FilmMatch alone(paints, target, std::span(&lamp, 1), options.film);
+    if (options.illuminants.size() > 1)
+        for (const Illuminant& illuminant : options.illuminants) {
+            const FilmMatch alone(paints, target, std::span(&illuminant, 1), options.film);
             for (Candidate& c : search(alone, options)) {
                 c.error = match.error(c.measured.mixture, options.goal);
                 candidates.push_back(c);
@@ -179,7 +179,7 @@ MatchResult match_spectrum(std::span<const Pigment> paints, const Spectrum& targ
         }
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.error < b.error; });
-    const FilmMatch all_lamps(paints, target, kAllLamps, options.film);
+    const FilmMatch all_illuminants(paints, target, kAllIlluminants, options.film);
     MatchResult result;
     result.target = target;
     std::set<std::vector<int>> given;
@@ -188,27 +188,27 @@ MatchResult match_spectrum(std::span<const Pigment> paints, const Spectrum& targ
         by_count.try_emplace(c.measured.mixture.count, &c);
         if (static_cast<int>(result.recipes.size()) < options.alternatives &&
             given.insert(set_of(c.measured.mixture)).second)
-            result.recipes.push_back(described(c, match, all_lamps, target, options.goal));
+            result.recipes.push_back(described(c, match, all_illuminants, target, options.goal));
     }
     double least = 1e300;
     for (const auto& [count, c] : by_count) {
         if (c->error >= least) continue;
         least = c->error;
-        result.by_count.push_back(described(*c, match, all_lamps, target, options.goal));
+        result.by_count.push_back(described(*c, match, all_illuminants, target, options.goal));
     }
     return result;
 }
 
-Spectrum smooth_spectrum(const glm::dvec3& xyz, Illuminant lamp) {
-    const auto& weights = kXyzWeights[static_cast<std::size_t>(lamp)];
+Spectrum smooth_spectrum(const glm::dvec3& xyz, Illuminant illuminant) {
+    const auto& weights = kXyzWeights[static_cast<std::size_t>(illuminant)];
     // The smooth reflectance of this colour, relative to white, under D65; then the least change to it, in
-    // the sense of squares, that gives the colour under the lamp, within [0, 1].
-    const glm::dvec3 d65 = xyz / white_xyz(lamp) * white_xyz(Illuminant::d65);
+    // the sense of squares, that gives the colour under the illuminant, within [0, 1].
+    const glm::dvec3 d65 = xyz / white_xyz(illuminant) * white_xyz(Illuminant::d65);
     const glm::dmat3 rgb_of_xyz = glm::inverse(glm::dmat3(
         0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522, 0.1191920, 0.1804375, 0.0721750, 0.9503041));
     Spectrum r = reflectance_of_rgb(Rgb(rgb_of_xyz * d65));
     for (int pass = 0; pass < 50; ++pass) {
-        const glm::dvec3 off = xyz - xyz_of(r, lamp);
+        const glm::dvec3 off = xyz - xyz_of(r, illuminant);
         glm::dmat3 normal(0);
         const auto is_free = [&](std::size_t band, const glm::dvec3& along) {
             double change = 0;
@@ -231,22 +231,22 @@ Spectrum smooth_spectrum(const glm::dvec3& xyz, Illuminant lamp) {
             r[band] = std::clamp(r[band] + static_cast<float>(change), 0.0f, 1.0f);
         }
     }
-    const double left = delta_e_2000(lab_of(xyz, lamp), lab_under(r, lamp));
+    const double left = delta_e_2000(lab_of(xyz, illuminant), lab_under(r, illuminant));
     if (!(left < 1))
         fail(
             "colour with X {:.3f}, Y {:.3f}, Z {:.3f} under {}: no surface has it (the nearest differs by "
             "CIEDE2000 {:.1f}); choose one less saturated or bright",
-            xyz.x, xyz.y, xyz.z, name_of(lamp), left);
+            xyz.x, xyz.y, xyz.z, name_of(illuminant), left);
     return r;
 }
 
 std::optional<LikelySpectrum> likely_spectrum(std::span<const Pigment> paints, const glm::dvec3& xyz,
-                                              Illuminant lamp, const MatchOptions& options,
+                                              Illuminant illuminant, const MatchOptions& options,
                                               double tolerance) {
     require_valid(paints, options);
     MatchOptions alone = options;
-    alone.lamps = {lamp};
-    const FilmMatch match(paints, smooth_spectrum(xyz, lamp), alone.lamps, alone.film);
+    alone.illuminants = {illuminant};
+    const FilmMatch match(paints, smooth_spectrum(xyz, illuminant), alone.illuminants, alone.film);
     std::vector<Spectrum> looks;
     for (const auto& [error, mixture] : ideal_mixtures(match, alone))
         if (error <= tolerance) looks.push_back(match.look(mixture));
@@ -257,10 +257,10 @@ std::optional<LikelySpectrum> likely_spectrum(std::span<const Pigment> paints, c
         LikelySpectrum found{look, static_cast<int>(looks.size()), {}};
         double sum = 0;
         for (std::size_t l = 0; l < kIlluminants; ++l) {
-            const Lab here = lab_under(look, kAllLamps[l]);
+            const Lab here = lab_under(look, kAllIlluminants[l]);
             for (const Spectrum& other : looks)
-                found.spread[l] +=
-                    delta_e_2000(here, lab_under(other, kAllLamps[l])) / static_cast<double>(looks.size());
+                found.spread[l] += delta_e_2000(here, lab_under(other, kAllIlluminants[l])) /
+                                   static_cast<double>(looks.size());
             sum += found.spread[l];
         }
         if (sum < least) least = sum, best = found;
@@ -268,12 +268,13 @@ std::optional<LikelySpectrum> likely_spectrum(std::span<const Pigment> paints, c
     return best;
 }
 
-double metamerism_index(const Spectrum& target, const Spectrum& look, Illuminant lamp, Illuminant reference) {
+double metamerism_index(const Spectrum& target, const Spectrum& look, Illuminant illuminant,
+                        Illuminant reference) {
     const glm::dvec3 here = xyz_of(look, reference), there = xyz_of(target, reference);
-    glm::dvec3 corrected = xyz_of(look, lamp);
+    glm::dvec3 corrected = xyz_of(look, illuminant);
     for (int c = 0; c < 3; ++c)
         if (here[c] > 1e-6) corrected[c] *= there[c] / here[c];
-    return delta_e_2000(lab_of(xyz_of(target, lamp), lamp), lab_of(corrected, lamp));
+    return delta_e_2000(lab_of(xyz_of(target, illuminant), illuminant), lab_of(corrected, illuminant));
 }
 
 }  // namespace tangi

@@ -19,7 +19,7 @@ struct SubsetFit {
 
 // Minimises |A c|^2 with c >= 0, sum c = 1, for every subset of at most `at_most` (1..kMostPaints) columns;
 // `gram` is A^T A, n x n, row by row. Gives the `keep` subsets with the least cost, best first, ties in the
-// order of their columns. A subset whose minimum lies at the rim (a weight would be negative) is left out:
+// order of their columns. A subset whose minimum lies at the rim (a weight would be negative) is rejected:
 // there, a smaller one is as good. So the first is the global minimum over all mixtures of at most `at_most`
 // columns, as Lawson & Hanson's (1974) active set would find it for each subset alone. `allowed`, n x n:
 // pairs of columns that may come together (0: not); all where it is empty.

@@ -62,9 +62,9 @@ Image<Rgb> recipe_swatches(const Spectrum& target, std::span<const MatchedRecipe
         write(ink, lines[i], gap, table + (static_cast<double>(i) + 0.8) * line, scale);
     for (int i = 0; i < static_cast<int>(recipes.size()); ++i)
         write(ink, fmt::format("target | {}", i + 1), label + gap + i * (cell_px + gap), 0.9 * head, scale);
-    for (int lamp = 0; lamp < kIlluminants; ++lamp) {
-        const auto light = static_cast<Illuminant>(lamp);
-        const int top = head + gap / 2 + lamp * row;
+    for (int illuminant = 0; illuminant < kIlluminants; ++illuminant) {
+        const auto light = static_cast<Illuminant>(illuminant);
+        const int top = head + gap / 2 + illuminant * row;
         write(ink, std::string(name_of(light)), gap, top + swatch / 2, scale);
         for (int i = 0; i < static_cast<int>(recipes.size()); ++i) {
             const MatchedRecipe& recipe = recipes[static_cast<std::size_t>(i)];
@@ -73,7 +73,7 @@ Image<Rgb> recipe_swatches(const Spectrum& target, std::span<const MatchedRecipe
             for (int y = 0; y < swatch; ++y)
                 for (int x = 0; x < cell_px; ++x)
                     picture(left + x, top + y) = glm::max(colours[x >= cell_px / 2], Rgb(0));
-            write(ink, fmt::format("dE {:.2f}", recipe.delta_e[static_cast<std::size_t>(lamp)]), left,
+            write(ink, fmt::format("dE {:.2f}", recipe.delta_e[static_cast<std::size_t>(illuminant)]), left,
                   top + swatch + text * 0.8, scale);
         }
     }

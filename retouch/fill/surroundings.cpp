@@ -235,13 +235,13 @@ void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, doub
     }
 }
 
-Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& left_out, double sigma_px) {
-    TP_REQUIRE(colours.region() == left_out.region(), "the mask has the size of the picture");
+Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& excluded, double sigma_px) {
+    TP_REQUIRE(colours.region() == excluded.region(), "the mask has the size of the picture");
     if (!(sigma_px > 0)) return colours;
     cv::Mat weighted(colours.height(), colours.width(), CV_32FC4);
     for (int y = 0; y < colours.height(); ++y)
         for (int x = 0; x < colours.width(); ++x) {
-            const float w = inside(left_out(x, y)) ? 0.0f : 1.0f;
+            const float w = inside(excluded(x, y)) ? 0.0f : 1.0f;
             const Rgb& c = colours(x, y);
             weighted.at<cv::Vec4f>(y, x) = {w * c.r, w * c.g, w * c.b, w};
         }
@@ -250,7 +250,7 @@ Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& left_out, doub
     for (int y = 0; y < colours.height(); ++y)
         for (int x = 0; x < colours.width(); ++x) {
             const cv::Vec4f& v = weighted.at<cv::Vec4f>(y, x);
-            if (v[3] > 1e-4f && !inside(left_out(x, y))) result(x, y) = Rgb(v[0], v[1], v[2]) / v[3];
+            if (v[3] > 1e-4f && !inside(excluded(x, y))) result(x, y) = Rgb(v[0], v[1], v[2]) / v[3];
         }
     return result;
 }

@@ -67,7 +67,7 @@ void inpaint_into(Image<Rgb>& colours, const Mask& hole, Inpainting method, doub
 // Standard deviation over the mask's pixels.
 float spread_of(const Image<float>& values, const Mask& where);
 
-// Colours as they are seen from some way off: Gaussian means over what is not `left_out`.
-Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& left_out, double sigma_px);
+// Colours as they are seen from some way off: Gaussian means over what is not `excluded`.
+Image<Rgb> smoothed_around(const Image<Rgb>& colours, const Mask& excluded, double sigma_px);
 
 }  // namespace tangi

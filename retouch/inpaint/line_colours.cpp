@@ -148,7 +148,7 @@ LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<
     std::map<int, int> number_of_offered;
     for (std::size_t group = 0; group < groups.size(); ++group) {
         const Spectrum wanted = reflectance_of_rgb(groups[group]);
-        const Juxtaposition pure = juxtapose(looks, wanted, options.match.lamps,
+        const Juxtaposition pure = juxtapose(looks, wanted, options.match.illuminants,
                                              gaps.empty() ? below : gaps[group].look, bare_share);
         piles_of_group.emplace_back();
         for (std::size_t i = 0; i < pure.looks.size(); ++i) {
@@ -254,9 +254,9 @@ std::array<double, kIlluminants> FusedDifference::means() const {
             look[band] = static_cast<float>(cell.look[band] / cell.pixels);
             target[band] = static_cast<float>(cell.target[band] / cell.pixels);
         }
-        for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-            const auto light = static_cast<Illuminant>(lamp);
-            sums[lamp] += cell.pixels * delta_e_2000(lab_under(look, light), lab_under(target, light));
+        for (std::size_t illuminant = 0; illuminant < kIlluminants; ++illuminant) {
+            const auto light = static_cast<Illuminant>(illuminant);
+            sums[illuminant] += cell.pixels * delta_e_2000(lab_under(look, light), lab_under(target, light));
         }
         weights += cell.pixels;
     }

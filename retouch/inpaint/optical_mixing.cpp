@@ -42,19 +42,19 @@ std::vector<SubsetFit> best_of(const std::vector<double>& gram, int n) {
 }  // namespace
 
 Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
-                        std::span<const Illuminant> lamps, const Spectrum& bare, double bare_share) {
-    TP_REQUIRE(!looks.empty() && !lamps.empty(), "looks and lamps");
+                        std::span<const Illuminant> illuminants, const Spectrum& bare, double bare_share) {
+    TP_REQUIRE(!looks.empty() && !illuminants.empty(), "looks and illuminants");
     TP_REQUIRE(bare_share >= 0 && bare_share < 1, "a part of the area is painted");
     const auto painted = static_cast<float>(1 - bare_share);
     // Columns: what each look alone would be off by, in colour, linearised at the target.
     std::vector<std::vector<double>> columns(looks.size());
-    for (const Illuminant lamp : lamps) {
-        const Lab there = lab_under(target, lamp);
+    for (const Illuminant illuminant : illuminants) {
+        const Lab there = lab_under(target, illuminant);
         std::array<glm::dvec3, kBands> slope;
         for (std::size_t band = 0; band < kBands; ++band) {
             Spectrum moved = target;
             moved[band] += 1e-3f;
-            slope[band] = delta_e_2000_parts(there, lab_under(moved, lamp)) * 1e3;
+            slope[band] = delta_e_2000_parts(there, lab_under(moved, illuminant)) * 1e3;
         }
         for (std::size_t k = 0; k < looks.size(); ++k) {
             glm::dvec3 off(0);
@@ -97,8 +97,8 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
             for (std::size_t band = 0; band < kBands; ++band)
                 mean[band] += painted * static_cast<float>(fit.weights[i]) * looks[look][band];
         }
-        for (const Illuminant lamp : lamps)
-            worst = std::max(worst, delta_e_2000(lab_under(mean, lamp), lab_under(target, lamp)));
+        for (const Illuminant illuminant : illuminants)
+            worst = std::max(worst, delta_e_2000(lab_under(mean, illuminant), lab_under(target, illuminant)));
         if (worst * worst + contrast < least) least = worst * worst + contrast, best = &fit, delta_e = worst;
     }
     Juxtaposition result;

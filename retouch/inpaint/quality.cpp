@@ -165,8 +165,8 @@ double difference(const Sides* rgb, Image<float> Sides::*one, Image<float> Sides
     return delta_e_2000(lab(one), lab(other));
 }
 
-// Colour under one lamp; the map, if there is one, keeps the worst.
-void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, RetouchQuality& q,
+// Colour under one illuminant; the map, if there is one, keeps the worst.
+void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t illuminant, RetouchQuality& q,
                     Image<float>* worst) {
     Sides rgb[3];
     for (int c = 0; c < 3; ++c) rgb[c] = cut.sides_of(channel_of(look, c));
@@ -186,8 +186,8 @@ void compare_colour(const Cut& cut, const Image<Rgb>& look, std::size_t lamp, Re
             sum += d, ++pixels;
         }
     for (const std::size_t i : cut.border) border += difference(rgb, &Sides::within, &Sides::without, i);
-    q.delta_e[lamp] = sum / std::max(pixels, 1);
-    q.border_delta_e[lamp] = border / std::max(static_cast<double>(cut.border.size()), 1.0);
+    q.delta_e[illuminant] = sum / std::max(pixels, 1);
+    q.border_delta_e[illuminant] = border / std::max(static_cast<double>(cut.border.size()), 1.0);
 }
 
 // Means of luminance count for gloss as well.
@@ -235,7 +235,7 @@ struct Comparison {
     const Canvas& canvas;
     const MaskRegions& numbers;
     const Mask& damaged;
-    std::span<const Illuminant> lamps;
+    std::span<const Illuminant> illuminants;
     const QualityOptions& options;
 
     // Memory is that of the place and its surroundings.
@@ -249,9 +249,10 @@ struct Comparison {
         q.border_delta_e = q.delta_e;
         const Cut cut = cut_of(canvas, numbers, place.outline, damaged, options);
         q.border_px = static_cast<int>(cut.border.size());
-        for (const Illuminant lamp : lamps) {
-            compare_colour(cut, appearance_in(canvas, cut.region, {.illuminant = lamp}).diffuse,
-                           static_cast<std::size_t>(lamp), q, place.retouch ? &result.delta_e : nullptr);
+        for (const Illuminant illuminant : illuminants) {
+            compare_colour(cut, appearance_in(canvas, cut.region, {.illuminant = illuminant}).diffuse,
+                           static_cast<std::size_t>(illuminant), q,
+                           place.retouch ? &result.delta_e : nullptr);
         }
         compare_relief_and_gloss(cut, appearance_in(canvas, cut.region), canvas.height_unit_mm(), q,
                                  place.retouch ? &result : nullptr);
@@ -287,8 +288,8 @@ struct Comparison {
 
 }  // namespace
 
-Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress) {
-    return appearance(canvas, {.illuminant = lamp}, progress).diffuse;
+Image<Rgb> look_under(const Canvas& canvas, Illuminant illuminant, const Progress& progress) {
+    return appearance(canvas, {.illuminant = illuminant}, progress).diffuse;
 }
 
 RetouchQuality mean_of(std::vector<RetouchQuality> regions) {
@@ -301,9 +302,9 @@ RetouchQuality mean_of(std::vector<RetouchQuality> regions) {
         for (RetouchQuality& q : regions) sum += part * member(q);
         member(mean) = sum;
     };
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-        take([lamp](RetouchQuality& q) -> double& { return q.delta_e[lamp]; });
-        take([lamp](RetouchQuality& q) -> double& { return q.border_delta_e[lamp]; });
+    for (std::size_t illuminant = 0; illuminant < kIlluminants; ++illuminant) {
+        take([illuminant](RetouchQuality& q) -> double& { return q.delta_e[illuminant]; });
+        take([illuminant](RetouchQuality& q) -> double& { return q.border_delta_e[illuminant]; });
     }
     take([](RetouchQuality& q) -> double& { return q.gloss_step; });
     for (Step RetouchQuality::*step :
@@ -315,7 +316,7 @@ RetouchQuality mean_of(std::vector<RetouchQuality> regions) {
 }
 
 QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& damaged,
-                         std::span<const Illuminant> lamps, const QualityOptions& options,
+                         std::span<const Illuminant> illuminants, const QualityOptions& options,
                          const Progress& progress) {
     validate(options);
     validate(options.annulus);
@@ -344,7 +345,7 @@ QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& dam
         for (std::size_t k = 0; k < beside.size(); ++k) places.push_back({beside[k], &q.undamaged[k], false});
     }
     intact = Mask();  // as large as the painting
-    Comparison{canvas, numbers, damaged, lamps, options}.compare(places, result, progress);
+    Comparison{canvas, numbers, damaged, illuminants, options}.compare(places, result, progress);
     return result;
 }
 

@@ -1,4 +1,5 @@
-// quality.h: how well retouches go with their surroundings: in colour under several lamps, height and gloss.
+// quality.h: how well retouches go with their surroundings: in colour under several illuminants, height and
+// gloss.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ struct Step {
     double mean = 0, rms = 0;
 };
 
-// One connected region of the mask. Differences are CIEDE2000, NaN under lamps that were not asked for.
+// One connected region of the mask. Differences are CIEDE2000, NaN under illuminants that were not asked for.
 struct RetouchQuality {
     Region box;
     double area_mm2 = 0;
@@ -53,20 +54,20 @@ RetouchQuality mean_of(std::vector<RetouchQuality> regions);
 struct QualityReport {
     std::vector<RetouchQuality> regions;
     // Of the painting's size; 0 outside of the mask.
-    Image<float> delta_e;    // the worst under the lamps
+    Image<float> delta_e;    // the worst under the illuminants
     Image<float> height_mm;  // above what the surroundings' height goes on as
     Image<float> gloss;      // gloss_difference() from the surroundings' gloss, carried on
 };
 
 // Every connected region of `mask` against the painting round it; `damaged` (may be empty) is no painting.
-// The original's spectrum is unknown: that of spectrum.h for its colour stands for it under all lamps. Throws
-// Error where the mask is empty or all of the picture; Cancelled.
+// The original's spectrum is unknown: that of spectrum.h for its colour stands for it under all illuminants.
+// Throws Error where the mask is empty or all of the picture; Cancelled.
 QualityReport quality_of(const Canvas& canvas, const Mask& mask, const Mask& damaged,
-                         std::span<const Illuminant> lamps, const QualityOptions& options = {},
+                         std::span<const Illuminant> illuminants, const QualityOptions& options = {},
                          const Progress& progress = {});
 
-// The painting with its paint as it looks under a lamp, linear Rec. 709 adapted to D65: the dry surface by
-// its colour's reflectance, paint by its own. Not only what is painted, as in appearance().
-Image<Rgb> look_under(const Canvas& canvas, Illuminant lamp, const Progress& progress = {});
+// The painting with its paint as it looks under a illuminant, linear Rec. 709 adapted to D65: the dry surface
+// by its colour's reflectance, paint by its own. Not only what is painted, as in appearance().
+Image<Rgb> look_under(const Canvas& canvas, Illuminant illuminant, const Progress& progress = {});
 
 }  // namespace tangi

@@ -10,11 +10,11 @@ namespace {
 constexpr std::size_t kGlossBoxes = 24;  // parts of a retouch that are named, the largest
 }
 
-nlohmann::json by_lamp(const std::array<double, kIlluminants>& values) {
+nlohmann::json by_each_light(const std::array<double, kIlluminants>& values) {
     nlohmann::json result = nlohmann::json::object();
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
-        if (std::isfinite(values[lamp]))
-            result[std::string(name_of(static_cast<Illuminant>(lamp)))] = values[lamp];
+    for (std::size_t illuminant = 0; illuminant < kIlluminants; ++illuminant)
+        if (std::isfinite(values[illuminant]))
+            result[std::string(name_of(static_cast<Illuminant>(illuminant)))] = values[illuminant];
     return result;
 }
 
@@ -69,7 +69,7 @@ nlohmann::json to_json(const RetouchReport& report, const std::vector<Pigment>& 
     nlohmann::json result = {{"piles", piles},
                              {"area_mm2", report.area_mm2},
                              {"painted_mm2", report.painted_mm2},
-                             {"delta_e_2000_from_target", by_lamp(report.delta_e_mean)}};
+                             {"delta_e_2000_from_target", by_each_light(report.delta_e_mean)}};
     for (const RetouchGloss& gloss : report.glosses) {
         nlohmann::json boxes = nlohmann::json::array();
         for (const Region& part : gloss.parts)
@@ -130,7 +130,8 @@ std::vector<char> without_pairs(std::size_t paints, const std::vector<PairWarnin
 
 nlohmann::json parameters_of(const MatchOptions& options) {
     nlohmann::json result = to_json(options);
-    for (const Illuminant lamp : options.lamps) result["lamps"].push_back(name_of(lamp));
+    for (const Illuminant illuminant : options.illuminants)
+        result["illuminants"].push_back(name_of(illuminant));
     result["goal"] = options.goal == MatchGoal::worst ? "worst" : "mean";
     return result;
 }

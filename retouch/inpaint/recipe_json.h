@@ -14,7 +14,7 @@
 namespace tangi {
 
 // {"D65": 0.3, "A": 0.5, …}; what is not a number is left out.
-nlohmann::json by_lamp(const std::array<double, kIlluminants>& values);
+nlohmann::json by_each_light(const std::array<double, kIlluminants>& values);
 
 // Paints with their parts by volume, steps with their measures, and one line of text.
 nlohmann::json as_json(const std::vector<MixingStep>& steps, const Mixture& mixture,

@@ -98,8 +98,8 @@ struct RetouchReport {
     int grounds = 1;  // that show through differently, each with piles of its own
     int marks = 0;
     double pitch_mm = 0, width_mm = 0;  // as laid: whole pixels
-    // CIEDE2000 from the colour that was aimed at, under each lamp, in the order of Illuminant: pixel by
-    // pixel, or, of lines and dots, the means over 6 x 6 pitches.
+    // CIEDE2000 from the colour that was aimed at, under each illuminant, in the order of Illuminant: pixel
+    // by pixel, or, of lines and dots, the means over 6 x 6 pitches.
     std::array<double, kIlluminants> delta_e_mean{};
     Image<Rgb> target;  // linear Rec. 709 under D65, in `region`
     Region region;      // the part of the painting that was looked at

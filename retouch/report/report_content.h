@@ -32,8 +32,8 @@ Image<Rgb> fitting(const Image<Rgb>& picture, int side_by_side);
 // "a_b" -> "a b"
 std::string spaced(std::string name);
 
-// "D65 1.2, A 0.9" of differences by lamp.
-std::string by_lamp(const nlohmann::json& differences);
+// "D65 1.2, A 0.9" of differences by illuminant.
+std::string by_each_light(const nlohmann::json& differences);
 
 // Each paint of a layer with its part of the volume, most first, and the volume where there is a scale.
 std::string paints_in_words(const std::map<std::string, double>& volumes_mm3, bool scale_known);

@@ -33,7 +33,7 @@ struct ReportPicture {
 struct ReportPictures {
     std::vector<ReportPicture> pictures;
 };
-// Directions of lamps, seen from the camera.
+// Directions of illuminants, seen from the camera.
 struct ReportLights {
     std::vector<HemisphereLight> lights;
     std::string caption;

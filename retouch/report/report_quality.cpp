@@ -31,10 +31,10 @@ Image<Rgb> cut_to_what_is_there(const Image<Rgb>& map) {
 
 }  // namespace
 
-std::string by_lamp(const json& differences) {
+std::string by_each_light(const json& differences) {
     std::string text;
-    for (const auto& [lamp, value] : differences.items())
-        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", lamp, value.get<double>());
+    for (const auto& [illuminant, value] : differences.items())
+        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", illuminant, value.get<double>());
     return text;
 }
 
@@ -73,7 +73,8 @@ void add_quality(ReportMatter& m) {
             return own.is_object() ? " (" + text + ")" : "";
         };
         const auto colour = [&](const char* key) {
-            return by_lamp(region.at(key)) + (own.is_object() ? bracket(by_lamp(own.at(key))) : "");
+            return by_each_light(region.at(key)) +
+                   (own.is_object() ? bracket(by_each_light(own.at(key))) : "");
         };
         const auto number = [&](const json& of) { return fmt::format("{:.3f}", of.get<double>()); };
         const StatedLength area = stated_length(region, "area", "_mm2"),
@@ -92,9 +93,10 @@ void add_quality(ReportMatter& m) {
     for (const auto& [file, hash] : last->content.at("outputs").items()) {
         const fs::path path = file;
         if (path.filename() == "delta_e_2000.png")
-            maps.pictures.push_back({cut_to_what_is_there(read_picture(m.t.folder() / path)),
-                                     "ΔE2000, the worst under the lamps: black 0, white 10 and more; cut to "
-                                     "the retouches"});
+            maps.pictures.push_back(
+                {cut_to_what_is_there(read_picture(m.t.folder() / path)),
+                 "ΔE2000, the worst under the illuminants: black 0, white 10 and more; cut to "
+                 "the retouches"});
         else if (path.stem().string().starts_with("raking_"))
             raking.pictures.push_back({fitting(read_picture(m.t.folder() / path), 4),
                                        spaced(path.stem().string()) + ", at 15°, with shadows"});

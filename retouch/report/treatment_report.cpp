@@ -167,8 +167,8 @@ void recipes(ReportMatter& m) {
                  recipe.value("recipe", ""),
                  retouch && m.t.scale_known() ? fmt::format("{:.3g} mm³", recipe.value("volume_mm3", 0.0))
                                               : "",
-                 by_lamp(retouch ? results.value("delta_e_2000_from_target", json::object())
-                                 : recipe.value("delta_e_2000", json::object())) +
+                 by_each_light(retouch ? results.value("delta_e_2000_from_target", json::object())
+                                       : recipe.value("delta_e_2000", json::object())) +
                      (retouch ? ", in all" : ""),
                  fmt::format("{}", fmt::join(warnings, "; "))});
         }
@@ -220,27 +220,27 @@ void measures(ReportMatter& m) {
 }
 
 // States that differ from the one before: those that add layers, and what was photographed.
-std::vector<TreatmentState> shown_states(const ReportMatter& m) {
-    std::vector<TreatmentState> shown;
-    for (const TreatmentState state :
-         {TreatmentState::before, TreatmentState::cleaned, TreatmentState::filled, TreatmentState::retouched,
-          TreatmentState::varnished}) {
+std::vector<TreatmentStage> shown_states(const ReportMatter& m) {
+    std::vector<TreatmentStage> shown;
+    for (const TreatmentStage state :
+         {TreatmentStage::before, TreatmentStage::cleaned, TreatmentStage::filled, TreatmentStage::retouched,
+          TreatmentStage::varnished}) {
         const bool adds = std::any_of(m.layers.begin(), m.layers.end(),
                                       [&](const TreatmentLayer& l) { return shown_from(l.role) == state; });
         const bool photographed =
-            state == TreatmentState::before || (state == TreatmentState::cleaned && m.t.has_earlier());
+            state == TreatmentStage::before || (state == TreatmentStage::cleaned && m.t.has_earlier());
         if (adds || photographed) shown.push_back(state);
     }
     return shown;
 }
 
-// Every lamp shows all states side by side. The maps of one state at a time are held: they are as large as
-// the painting.
+// Every illuminant shows all states side by side. The maps of one state at a time are held: they are as large
+// as the painting.
 void states(ReportMatter& m, const Progress& progress) {
-    const std::vector<TreatmentState> shown = shown_states(m);
+    const std::vector<TreatmentStage> shown = shown_states(m);
     const int side_px = std::max(report_picture_px(static_cast<int>(shown.size())), 900);
     std::vector<ReportPictures> rows(std::size(kLights));
-    for (const TreatmentState state : shown) {
+    for (const TreatmentStage state : shown) {
         report(progress, "report", static_cast<double>(state) / 5);
         const Surface surface = surface_in_state(m.t, m.canvas, state);
         for (std::size_t i = 0; i < rows.size(); ++i)
@@ -251,7 +251,8 @@ void states(ReportMatter& m, const Progress& progress) {
     m.add(ReportText{
         "Computed from the fitted maps and the layers: normal light from the upper right at 60° above the "
         "painting's "
-        "plane; raking light from the left and from above at 12°. Pictures of one lamp have one exposure.",
+        "plane; raking light from the left and from above at 12°. Pictures of one illuminant have one "
+        "exposure.",
         true});
     for (ReportPictures& row : rows) m.add(std::move(row));
 }
@@ -291,7 +292,7 @@ std::pair<ReportPlan, ReportPlan> plans(const ReportMatter& m) {
     colour.caption = "Mask in colour: " + of;
     white.caption = "Mask in white: " + of;
     colour.picture =
-        encoded(diffuse_in(in_state(m.canvas, t.layers(), TreatmentState::varnished), m.canvas.region()));
+        encoded(diffuse_in(in_state(m.canvas, t.layers(), TreatmentStage::varnished), m.canvas.region()));
     for (std::size_t i = 0; i < added.size(); ++i)
         if (!(added.pixels()[i] > 0.5f)) colour.picture.pixels()[i] = Rgb(1);
     const double longer_mm = std::max(colour.width_mm, colour.height_mm);

@@ -62,18 +62,19 @@ std::string sha256_of(const Surface& surface) {
     add("specular", surface.specular);
     add("roughness", surface.roughness);
     add("confidence", surface.confidence);
-    if (!surface.lobe_colour.empty()) add("lobe", surface.lobe_colour);
+    if (!surface.specular_colour.empty()) add("lobe", surface.specular_colour);
     if (!surface.lobe_axes.empty()) add("lobe_axes", surface.lobe_axes);
     return sha.hex();
 }
 
 namespace {
 
-// What is known of the painting as a whole, which relighting and the report go by: its law of reflectance and
-// its photographs' lamps.
+// What is known of the painting as a whole, which relighting and the report go by: its reflectance model and
+// its photographs' illuminants.
 std::string sha256_of_what_is_known(const Surface& surface) {
-    const json about = {{"law", {surface.law.diffuse_roughness, surface.law.haze}},
-                        {"photography", to_json(surface.photography)}};
+    const json about = {
+        {"law", {surface.reflectance_model.diffuse_roughness, surface.reflectance_model.haze}},
+        {"photography", to_json(surface.photography)}};
     const std::string text = about.dump();
     Sha256 sha;
     sha.add(text.data(), text.size());
@@ -255,7 +256,8 @@ Canvas Treatment::read_canvas(const Progress& progress) const {
     const json& first = log_.entries().front().content;
     if (first.contains("about_sha256") && first["about_sha256"] != sha256_of_what_is_known(canvas.dry()))
         fail(
-            "{}: its law of reflectance or its lamps are not those that the treatment began with; take it "
+            "{}: its reflectance model or its illuminants are not those that the treatment began with; take "
+            "it "
             "from a backup",
             painting().string());
     const std::vector<std::string> faults = layer_faults(canvas);

@@ -40,10 +40,10 @@ std::optional<LayerRole> layer_role_named(std::string_view name);
 
 // States of a treatment, in their order; each shows the layers of its role and of those before. `before` and
 // `cleaned` are what was photographed: without any layer (the same, unless there is an earlier.exr).
-enum class TreatmentState { before, cleaned, filled, retouched, varnished };
-std::string_view name_of(TreatmentState state);
-std::optional<TreatmentState> treatment_state_named(std::string_view name);
-TreatmentState shown_from(LayerRole role);  // the first state that shows it
+enum class TreatmentStage { before, cleaned, filled, retouched, varnished };
+std::string_view name_of(TreatmentStage state);
+std::optional<TreatmentStage> treatment_stage_named(std::string_view name);
+TreatmentStage shown_from(LayerRole role);  // the first state that shows it
 
 struct TreatmentLayer {
     std::string name;  // of the dried layer in painting.exr: "fill 1"
@@ -161,10 +161,10 @@ std::string sha256_of(const Surface& surface);
 std::string sha256_of(const Canvas& canvas, const PaintLayer& layer);
 
 // The canvas as it was in a state: without wet paint and the layers of later roles.
-Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state);
+Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentStage state);
 
 // What the painting looks like in a state, with its maps: `before` as it was photographed earlier, if it was.
-Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentState state,
+Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentStage state,
                          const Progress& progress = {});
 
 // Where there is any paint, 1; else 0: of one layer, or of all that was added to the dry surface.

@@ -7,7 +7,7 @@ namespace tangi {
 
 using nlohmann::json;
 
-Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentState state) {
+Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers, TreatmentStage state) {
     Canvas shown = canvas;
     shown.writable_wet() = PaintLayer(canvas.width(), canvas.height());
     // From the top down. A retouch that was matched over varnish lies on it: without it there was never such
@@ -25,9 +25,9 @@ Canvas in_state(const Canvas& canvas, const std::vector<TreatmentLayer>& layers,
     return shown;
 }
 
-Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentState state,
+Surface surface_in_state(const Treatment& treatment, const Canvas& canvas, TreatmentStage state,
                          const Progress& progress) {
-    if (state == TreatmentState::before && treatment.has_earlier()) return treatment.read_earlier(progress);
+    if (state == TreatmentStage::before && treatment.has_earlier()) return treatment.read_earlier(progress);
     return appearance(in_state(canvas, treatment.layers(), state), {}, progress);
 }
 

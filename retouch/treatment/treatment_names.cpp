@@ -21,26 +21,26 @@ std::optional<Value> named(std::span<const std::string_view> names, std::string_
 }  // namespace
 
 std::string_view name_of(LayerRole role) { return kRoleNames[static_cast<std::size_t>(role)]; }
-std::string_view name_of(TreatmentState state) { return kStateNames[static_cast<std::size_t>(state)]; }
+std::string_view name_of(TreatmentStage state) { return kStateNames[static_cast<std::size_t>(state)]; }
 
 std::optional<LayerRole> layer_role_named(std::string_view name) {
     return named<LayerRole>(kRoleNames, name);
 }
-std::optional<TreatmentState> treatment_state_named(std::string_view name) {
-    return named<TreatmentState>(kStateNames, name);
+std::optional<TreatmentStage> treatment_stage_named(std::string_view name) {
+    return named<TreatmentStage>(kStateNames, name);
 }
 
-TreatmentState shown_from(LayerRole role) {
+TreatmentStage shown_from(LayerRole role) {
     switch (role) {
         case LayerRole::fill:
-            return TreatmentState::filled;
+            return TreatmentStage::filled;
         case LayerRole::isolating_varnish:
         case LayerRole::retouch:
-            return TreatmentState::retouched;
+            return TreatmentStage::retouched;
         case LayerRole::varnish:
             break;
     }
-    return TreatmentState::varnished;
+    return TreatmentStage::varnished;
 }
 
 }  // namespace tangi

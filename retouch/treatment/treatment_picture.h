@@ -8,7 +8,8 @@
 namespace tangi {
 
 // sRGB-encoded, 0..1, exposed so that light from 45 degrees shows a white as white; at most `side_px` pixels
-// wide and high (0: all of them). Raking light does not come near white: it is as dark as the lamp makes it.
+// wide and high (0: all of them). Raking light does not come near white: it is as dark as the illuminant
+// makes it.
 Image<Rgb> look_of(const Surface& surface, const Light& light, int side_px = 0,
                    const Progress& progress = {});
 

@@ -114,7 +114,7 @@ StrokesRepeated repeat_strokes(const Treatment& treatment, const Canvas& canvas,
                         fmt::format("{}: its strokes do not make the layer '{}' that line {} of the log has",
                                     path.string(), layer, entry.line));
             } else {
-                ++repeated.left_out;
+                ++repeated.not_repeated;
             }
         }
         if (entry.content.contains("layers")) before = layers_of_line(entry);

@@ -24,7 +24,7 @@ struct StrokesRepeated {
     int painted_again = 0;            // journals that make what was logged
     // Journals of which it cannot be told: of earlier versions, of layers that were removed, or that lie on
     // such.
-    int left_out = 0;
+    int not_repeated = 0;
 };
 // Paints the strokes of all retouches again, each on the layers below it, and compares what they make with
 // the log. `canvas`: Treatment::read_canvas().

@@ -1,4 +1,4 @@
-// local_contrast.h: pictures in which the strength of the lamp drops out, and their values between pixels.
+// local_contrast.h: pictures in which the strength of the light drops out, and their values between pixels.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -7,8 +7,8 @@
 
 namespace tangi {
 
-// (value - local mean) / (local mean + floor), slightly smoothed: the same under lamps of any strength, and
-// where the surface is flat, under lamps from anywhere. Between -1 and 1; NaN where the brightness is, which
+// (value - local mean) / (local mean + floor), slightly smoothed: the same under lights of any strength, and
+// where the surface is flat, under lights from anywhere. Between -1 and 1; NaN where the brightness is, which
 // its neighbours do not notice.
 Image<float> local_contrast(const Image<float>& brightness, double floor);
 

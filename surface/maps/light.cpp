@@ -47,8 +47,8 @@ Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig) {
 }
 
 void place(Light& light, const Rig& rig) {
-    if (!rig.lamp_distance_mm) return;
-    const float listed = *rig.lamp_distance_mm;
+    if (!rig.light_distance_mm) return;
+    const float listed = *rig.light_distance_mm;
     light.position_mm = light.direction * listed;
     if (rig.surface_above_mm == 0) return;
     light.position_mm->z -= rig.surface_above_mm;

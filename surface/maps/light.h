@@ -14,15 +14,15 @@ namespace tangi {
 
 constexpr double kDegrees = 180 / std::numbers::pi;  // in a radian
 
-// How unevenly a lamp lights the picture beyond what its distance makes of it (a reflector's hot spot, a lamp
-// that is aimed beside the middle): ln of the irradiance is a polynomial of the second degree of the place,
-// 0 at the origin.
+// How unevenly a light lights the picture beyond what its distance makes of it (a reflector's hot spot, a
+// light that is aimed beside the middle): ln of the irradiance is a polynomial of the second degree of the
+// place, 0 at the origin.
 struct Beam {
     std::array<float, 5> terms{};  // [1/mm, 1/mm, 1/mm^2, 1/mm^2, 1/mm^2] of x, y, x^2, x y, y^2
 
     bool even() const { return terms == std::array<float, 5>{}; }
     // [1] Irradiance at a place of the painting's plane over that of an even beam. Only of use where the
-    // lamp was measured: inside the picture.
+    // light was measured: inside the picture.
     float part(const Vec3& point_mm) const;
 
     friend bool operator==(const Beam&, const Beam&) = default;
@@ -43,24 +43,24 @@ Light near_light(const Vec3& position_mm, std::string name = {});
 
 // What all photographs of a stack have in common beside the painting.
 struct Rig {
-    static constexpr float kPointLamp_deg = 0.25f;  // of a small lamp at some distance
+    static constexpr float kPointLight_deg = 0.25f;  // of a small light at some distance
 
-    // [1] Light from all around (the room, the dome, the relief itself), as a part of the lamp's: a matt
+    // [1] Light from all around (the room, the dome, the relief itself), as a part of the light's: a matt
     // surface shows rho_d (max(n.l, 0) + ambient).
     float ambient = 0;
     // [mm] The camera's height above the painting's plane; far away where empty.
     std::optional<float> camera_distance_mm{};
     // [mm] x and y of the camera: where it looks straight down, it sees this point in the picture's middle.
     glm::vec2 camera_axis_mm{0, 0};
-    // [mm] Of lamps whose own position is not known, from the origin; far away where empty.
-    std::optional<float> lamp_distance_mm{};
+    // [mm] Of lights whose own position is not known, from the origin; far away where empty.
+    std::optional<float> light_distance_mm{};
     // [mm] How high the painting's surface is above the point that their directions and distance are from.
     float surface_above_mm = 0;
     // [1/mm] Directions turn by this angle for each mm from the centre, as if the painting were bent: the
-    // part of the lamps' field of directions that photographs of a matt painting cannot tell from a bulge.
+    // part of the lights' field of directions that photographs of a matt painting cannot tell from a bulge.
     float bend_per_mm = 0;
-    // [deg] Angular radius of the lamps, as seen from the painting: how soft the shadows are that they cast.
-    float lamp_radius_deg = kPointLamp_deg;
+    // [deg] Angular radius of the lights, as seen from the painting: how soft the shadows are that they cast.
+    float light_radius_deg = kPointLight_deg;
 
     friend bool operator==(const Rig&, const Rig&) = default;
 };
@@ -75,8 +75,8 @@ struct Incidence {
 // part of their beam elsewhere.
 Incidence incidence(const Light& light, const Vec3& point_mm, const Rig& rig = {});
 
-// Puts a lamp of which only the direction is known where the rig says that it is: position, direction from
-// the origin, and gain, since lamps that are as strong light what is nearer to them more. Far lamps stay.
+// Puts a light of which only the direction is known where the rig says that it is: position, direction from
+// the origin, and gain, since lights that are as strong light what is nearer to them more. Far lights stay.
 void place(Light& light, const Rig& rig);
 
 // [unit vector] from a point of the painting to the camera.

@@ -11,11 +11,11 @@ namespace {
 using Terms = std::array<double, 6>;
 
 // Of ln gain, and of what a term of a beam makes of ln irradiance at the picture's border:
-constexpr double kOutlier = 0.1;      // [1] leftover from which a lamp counts less for the trend
+constexpr double kOutlier = 0.1;      // [1] leftover from which a light counts less for the trend
 constexpr double kTrendSigma = 0.3;   // [1] how much of a trend is to be expected
 constexpr double kScoreScale = 0.05;  // [1] errors well above count by their number, not their size
-// [standard errors] By which a lamp must be predicted better from its direction than by the mean of all: of
-// many ways, one is the best by chance (generated lamps of random strengths: 0.35 dB of held-out photographs
+// [standard errors] By which a light must be predicted better from its direction than by the mean of all: of
+// many ways, one is the best by chance (generated lights of random strengths: 0.35 dB of held-out photographs
 // on average, 2.2 at most; real stacks, whose strengths go with their directions, stay as they were).
 constexpr double kSure = 2;
 
@@ -27,7 +27,7 @@ double dot(const Terms& a, const Terms& b) {
     return sum;
 }
 
-// What is known of lamps in some directions.
+// What is known of lights in some directions.
 struct Known {
     std::span<const Light> lights;
     std::vector<double> values;  // one a light
@@ -72,8 +72,8 @@ Terms solved(std::array<Terms, 6> a, Terms b) {
     return b;
 }
 
-// `left_out` < 0: none. Without a slope the trend is the robust mean.
-Terms fitted_trend(const Known& known, int left_out, bool slopes) {
+// `validation` < 0: none. Without a slope the trend is the robust mean.
+Terms fitted_trend(const Known& known, int validation, bool slopes) {
     Terms trend{};
     for (int iteration = 0; iteration < 8; ++iteration) {
         std::array<Terms, 6> a{};
@@ -81,7 +81,7 @@ Terms fitted_trend(const Known& known, int left_out, bool slopes) {
         for (std::size_t i = 0; i < a.size(); ++i)
             a[i][i] = i == 0 ? 1e-9 : (slopes ? kOutlier * kOutlier / (kTrendSigma * kTrendSigma) : 1e12);
         for (std::size_t i = 0; i < known.values.size(); ++i) {
-            if (static_cast<int>(i) == left_out) continue;
+            if (static_cast<int>(i) == validation) continue;
             const Terms t = terms_of(known.lights[i].direction);
             const double value = known.values[i], r = (value - dot(trend, t)) / kOutlier;
             const double weight = iteration == 0 ? 1 : 1 / (1 + r * r);
@@ -95,10 +95,10 @@ Terms fitted_trend(const Known& known, int left_out, bool slopes) {
     return trend;
 }
 
-double predicted(const LampModel& model, const Known& known, const Vec3& direction, int left_out = -1) {
+double predicted(const LightModel& model, const Known& known, const Vec3& direction, int validation = -1) {
     double sum = 0, weight = model.shrink;
     for (std::size_t i = 0; i < known.values.size(); ++i) {
-        if (static_cast<int>(i) == left_out) continue;
+        if (static_cast<int>(i) == validation) continue;
         const Vec3& listed = known.lights[i].direction;
         const Vec3 d = listed - direction;
         const double w = std::exp(-glm::dot(d, d) / (2 * model.reach * model.reach));
@@ -120,7 +120,7 @@ bool is_surely_better(const std::vector<double>& errors, const std::vector<doubl
     return mean > kSure * std::sqrt(std::max(squares / n - mean * mean, 0.0) / std::max(n - 1, 1.0));
 }
 
-LampModel fitted(const Known& known) {
+LightModel fitted(const Known& known) {
     struct Candidate {
         bool slopes;
         double reach, shrink, score = 0;
@@ -130,12 +130,12 @@ LampModel fitted(const Known& known) {
     for (const bool slopes : {false, true})
         for (const double reach : {0.1, 0.2, 0.4})
             for (const double shrink : {1e9, 3.0, 1.0, 0.3}) candidates.push_back({slopes, reach, shrink});
-    constexpr std::size_t kSame = 0;  // all lamps have the mean
+    constexpr std::size_t kSame = 0;  // all lights have the mean
     for (std::size_t i = 0; i < known.values.size(); ++i) {
         const int out = static_cast<int>(i);
         const std::array<Terms, 2> trends = {fitted_trend(known, out, false), fitted_trend(known, out, true)};
         for (Candidate& c : candidates) {
-            const LampModel model{trends[c.slopes], c.reach, c.shrink};
+            const LightModel model{trends[c.slopes], c.reach, c.shrink};
             const double error =
                 (predicted(model, known, known.lights[i].direction, out) - known.values[i]) / kScoreScale;
             c.scores.push_back(std::log1p(error * error));
@@ -151,11 +151,11 @@ LampModel fitted(const Known& known) {
 
 }  // namespace
 
-LampModel fit_lamp_model(std::span<const Light> lights) {
-    return lights.empty() ? LampModel{} : fitted(log_gains(lights));
+LightModel fit_light_model(std::span<const Light> lights) {
+    return lights.empty() ? LightModel{} : fitted(log_gains(lights));
 }
 
-double predicted_gain(const LampModel& model, std::span<const Light> lights, const Vec3& direction) {
+double predicted_gain(const LightModel& model, std::span<const Light> lights, const Vec3& direction) {
     return std::exp(predicted(model, log_gains(lights), direction));
 }
 

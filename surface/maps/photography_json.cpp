@@ -5,6 +5,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
+#include "surface/base/renamed_keys.h"
 
 namespace tangi {
 
@@ -14,11 +15,11 @@ namespace {
 
 json array_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-json to_json(const LampModel& model) {
+json to_json(const LightModel& model) {
     return {{"trend", model.trend}, {"reach", model.reach}, {"shrink", model.shrink}};
 }
 
-LampModel lamp_model_of(const json& j) {
+LightModel light_model_of(const json& j) {
     return {.trend = j.at("trend").get<std::array<double, 6>>(),
             .reach = j.at("reach").get<double>(),
             .shrink = j.at("shrink").get<double>()};
@@ -76,23 +77,24 @@ json to_json(const Photography& photography) {
                     {{"ambient", rig.ambient},
                      {"camera_distance_mm", distance(rig.camera_distance_mm)},
                      {"camera_axis_mm", {rig.camera_axis_mm.x, rig.camera_axis_mm.y}},
-                     {"lamp_distance_mm", distance(rig.lamp_distance_mm)},
+                     {"light_distance_mm", distance(rig.light_distance_mm)},
                      {"surface_above_mm", rig.surface_above_mm},
                      {"bend_per_mm", rig.bend_per_mm},
-                     {"lamp_radius_deg", rig.lamp_radius_deg}}}};
+                     {"light_radius_deg", rig.light_radius_deg}}}};
     if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
-    if (photography.lamps) result["lamps"] = to_json(*photography.lamps);
+    if (photography.lights) result["lights"] = to_json(*photography.lights);
     if (const auto& beams = photography.beams) {
         json terms = json::array();
-        for (const LampModel& term : beams->terms) terms.push_back(to_json(term));
+        for (const LightModel& term : beams->terms) terms.push_back(to_json(term));
         result["beams"] = {{"radius_mm", beams->radius_mm}, {"terms", std::move(terms)}};
     }
     return result;
 }
 
-Photography photography_from_json(const json& j) {
+Photography photography_from_json(const json& written) {
     Photography photography;
-    if (j.empty()) return photography;
+    if (written.empty()) return photography;
+    const json j = with_present_keys(written);
     const auto transfer = transfer_named(j.at("transfer").get<std::string>());
     if (!transfer) fail("unknown transfer curve '{}'", shortened(j.at("transfer").get<std::string>()));
     photography.transfer = *transfer;
@@ -118,17 +120,17 @@ Photography photography_from_json(const json& j) {
         photography.rig = {.ambient = rig.at("ambient").get<float>(),
                            .camera_distance_mm = distance("camera_distance_mm"),
                            .camera_axis_mm = {},
-                           .lamp_distance_mm = distance("lamp_distance_mm"),
+                           .light_distance_mm = distance("light_distance_mm"),
                            .bend_per_mm = rig.at("bend_per_mm").get<float>()};
         const Rig& found = photography.rig;
         photography.rig.surface_above_mm = rig.value("surface_above_mm", 0.0f);  // not in older files
-        if (found.lamp_distance_mm && !(std::abs(found.surface_above_mm) < *found.lamp_distance_mm))
-            fail("rig.surface_above_mm = {} is as high as the lamps are far away, {} mm",
-                 found.surface_above_mm, *found.lamp_distance_mm);
-        if (rig.contains("lamp_radius_deg")) {  // in no file of before it was looked for
-            photography.rig.lamp_radius_deg = rig["lamp_radius_deg"].get<float>();
-            if (!(photography.rig.lamp_radius_deg >= 0 && photography.rig.lamp_radius_deg <= 45))
-                fail("rig.lamp_radius_deg = {} is outside [0, 45] deg", photography.rig.lamp_radius_deg);
+        if (found.light_distance_mm && !(std::abs(found.surface_above_mm) < *found.light_distance_mm))
+            fail("rig.surface_above_mm = {} is as high as the lights are far away, {} mm",
+                 found.surface_above_mm, *found.light_distance_mm);
+        if (rig.contains("light_radius_deg")) {  // in no file of before it was looked for
+            photography.rig.light_radius_deg = rig["light_radius_deg"].get<float>();
+            if (!(photography.rig.light_radius_deg >= 0 && photography.rig.light_radius_deg <= 45))
+                fail("rig.light_radius_deg = {} is outside [0, 45] deg", photography.rig.light_radius_deg);
         }
         if (rig.contains("camera_axis_mm"))
             photography.rig.camera_axis_mm = {rig["camera_axis_mm"].at(0).get<float>(),
@@ -139,13 +141,13 @@ Photography photography_from_json(const json& j) {
         const double size = glm::determinant(*photography.to_camera);
         if (!(std::abs(size) > 1e-9 && std::abs(size) < 1e9)) fail("to_camera has no inverse");
     }
-    if (j.contains("lamps")) photography.lamps = lamp_model_of(j.at("lamps"));
+    if (j.contains("lights")) photography.lights = light_model_of(j.at("lights"));
     if (j.contains("beams")) {
         photography.beams.emplace();
         photography.beams->radius_mm = j["beams"].at("radius_mm").get<double>();
         if (!(photography.beams->radius_mm > 0)) fail("beams.radius_mm is not above 0");
         for (std::size_t i = 0; i < photography.beams->terms.size(); ++i)
-            photography.beams->terms[i] = lamp_model_of(j["beams"].at("terms").at(i));
+            photography.beams->terms[i] = light_model_of(j["beams"].at("terms").at(i));
     }
     return photography;
 }

@@ -73,8 +73,8 @@ Light as_photographed(const Light& light, const Photography& photography) {
     for (const Photography::Photo& photo : photography.photos)
         if (photo.fitted) fitted.push_back(photo.light);
     if (!result.position_mm) place(result, photography.rig);
-    if (photography.lamps)
-        result.gain = static_cast<float>(predicted_gain(*photography.lamps, fitted, result.direction)) *
+    if (photography.lights)
+        result.gain = static_cast<float>(predicted_gain(*photography.lights, fitted, result.direction)) *
                       predicted_colour(fitted, result.direction);
     if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, result.direction);
     return result;
@@ -84,7 +84,7 @@ void require_consistent(const Surface& s) {
     const Region region = s.height_mm.region();
     TP_REQUIRE(s.normal.region() == region && s.diffuse.region() == region && s.specular.region() == region &&
                    s.roughness.region() == region && s.confidence.region() == region &&
-                   (s.lobe_colour.empty() || s.lobe_colour.region() == region) &&
+                   (s.specular_colour.empty() || s.specular_colour.region() == region) &&
                    (s.lobe_axes.empty() || s.lobe_axes.region() == region),
                "all maps of a surface have the same size");
 }

@@ -35,8 +35,8 @@ struct Photography {
     double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
     std::vector<Photo> photos;
     Rig rig;
-    std::optional<LampModel> lamps{};  // of the fitted photographs; empty where lamps count as equal
-    std::optional<BeamModel> beams{};  // likewise; empty where they count as even
+    std::optional<LightModel> lights{};  // of the fitted photographs; empty where lights count as equal
+    std::optional<BeamModel> beams{};    // likewise; empty where they count as even
     // Linear Rec. 709 -> the photographs' linear channels, white balance included, where a colour chart told;
     // the same where empty.
     std::optional<glm::dmat3> to_camera{};
@@ -51,7 +51,7 @@ const Photography::Photo* find_photo(const Photography& photography, const Light
 
 // The light with the strength (and, unless it has a position, with direction and position) that it had in its
 // photograph; where there is none,
-// as strong and as near as the lamps that were photographed make likely.
+// as strong and as near as the lights that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =
@@ -65,14 +65,14 @@ struct Surface {
     Image<float> confidence;  // [1] 0 = not measured .. 1 = certain
     // [1] What rho_s is multiplied by in each channel, 0..1, 1 in the largest: white, as a dielectric's, or a
     // metal's colour. Empty: all are white.
-    Image<Rgb> lobe_colour;
+    Image<Rgb> specular_colour;
     Image<LobeAxes> lobe_axes;  // empty: all lobes are isotropic
 
-    ReflectanceLaw law;        // of the whole painting
-    double mm_per_pixel = 1;   // [mm] > 0; 1 where unknown
-    bool scale_known = false;  // false: mm_per_pixel is a guess; what heights are in: height_unit.h
-    Photography photography;   // empty where the surface does not come from photographs
-    std::string provenance;    // JSON: program, version, options, inputs
+    ReflectanceModel reflectance_model;  // of the whole painting
+    double mm_per_pixel = 1;             // [mm] > 0; 1 where unknown
+    bool scale_known = false;            // false: mm_per_pixel is a guess; what heights are in: height_unit.h
+    Photography photography;             // empty where the surface does not come from photographs
+    std::string provenance;              // JSON: program, version, options, inputs
 
     Surface() = default;
     Surface(int width, int height);  // flat, matt, black, not measured
@@ -82,7 +82,7 @@ struct Surface {
     Vec3 point_mm(int x, int y) const;  // [mm] of a pixel's centre in the surface frame
 };
 
-// Throws ContractError where the maps differ in size; lobe_colour and lobe_axes may be empty.
+// Throws ContractError where the maps differ in size; specular_colour and lobe_axes may be empty.
 void require_consistent(const Surface& surface);
 
 // z-gradient (dz/dx, dz/dy) [1] of a unit normal with z > 0, y up; and back.

@@ -10,9 +10,9 @@ Surface cut(const Surface& surface, const Region& part) {
     result.specular = cut(surface.specular, part);
     result.roughness = cut(surface.roughness, part);
     result.confidence = cut(surface.confidence, part);
-    result.lobe_colour = cut(surface.lobe_colour, part);
+    result.specular_colour = cut(surface.specular_colour, part);
     result.lobe_axes = cut(surface.lobe_axes, part);
-    result.law = surface.law;
+    result.reflectance_model = surface.reflectance_model;
     result.mm_per_pixel = surface.mm_per_pixel;
     result.scale_known = surface.scale_known;
     return result;

@@ -132,7 +132,7 @@ bool can_be_drawn(Surface& s) {
 std::optional<Overview> read(const fs::path& path) {
     Overview overview;
     double mm_per_pixel = 1;
-    ReflectanceLaw law;
+    ReflectanceModel reflectance_model;
     PartInfo info;
     info.name = kOverview;
     info.channels = kChannels;
@@ -152,8 +152,8 @@ std::optional<Overview> read(const fs::path& path) {
         info.width = small.max.x + 1;
         info.height = small.max.y + 1;
         mm_per_pixel = attribute<Imf::FloatAttribute>(*dry, "mm_per_pixel", 1.0f);
-        law.diffuse_roughness = attribute<Imf::DoubleAttribute>(*dry, "diffuse_roughness", 0.0);
-        law.haze = attribute<Imf::DoubleAttribute>(*dry, "haze", 0.0);
+        reflectance_model.diffuse_roughness = attribute<Imf::DoubleAttribute>(*dry, "diffuse_roughness", 0.0);
+        reflectance_model.haze = attribute<Imf::DoubleAttribute>(*dry, "haze", 0.0);
     }
     if (info.width < 1 || info.height < 1 || info.width > kSide || info.height > kSide) return {};
     overview.surface = Surface(info.width, info.height);
@@ -167,7 +167,7 @@ std::optional<Overview> read(const fs::path& path) {
                 planes[c].base[(first + i) * planes[c].stride] = rows[c][i];
     });
     s.mm_per_pixel = mm_per_pixel * overview.width / info.width;
-    s.law = law;
+    s.reflectance_model = reflectance_model;
     if (!(s.mm_per_pixel > 0) || !can_be_drawn(s)) return {};
     return overview;
 }

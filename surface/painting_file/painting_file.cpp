@@ -133,8 +133,8 @@ Imf::Header header_of(const Surface& s) {
     for (const DryChannel& c : channels_of(const_cast<Surface&>(s)))  // only the names are read
         header.channels().insert(c.name, Imf::Channel(Imf::FLOAT));
     header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
-    for (const auto& [name, value] :
-         {std::pair("diffuse_roughness", s.law.diffuse_roughness), {"haze", s.law.haze}})
+    for (const auto& [name, value] : {std::pair("diffuse_roughness", s.reflectance_model.diffuse_roughness),
+                                      {"haze", s.reflectance_model.haze}})
         if (value != 0) header.insert(name, Imf::DoubleAttribute(value));
     header.insert("scale_known", Imf::IntAttribute(s.scale_known ? 1 : 0));
     header.insert("photography", Imf::StringAttribute(utf8_of(to_json(s.photography))));
@@ -213,7 +213,7 @@ Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, 
                const Surface& names, const Progress& progress) {
     const auto rows = static_cast<std::size_t>(height);
     Maps maps{Surface(width, height), std::vector<std::uint64_t>(rows), std::vector<std::string>(rows)};
-    if (!names.lobe_colour.empty()) maps.surface.lobe_colour = Image<Rgb>(width, height);
+    if (!names.specular_colour.empty()) maps.surface.specular_colour = Image<Rgb>(width, height);
     if (!names.lobe_axes.empty()) maps.surface.lobe_axes = Image<LobeAxes>(width, height);
     const auto channels = channels_of(maps.surface);
     const auto look_at = [&](int y0, int y1) {
@@ -252,23 +252,23 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
 
     Surface names(1, 1);
     const auto has = [&](const char* channel) { return header.channels().findChannel(channel) != nullptr; };
-    if (has(kLobeChannels[0])) names.lobe_colour = Image<Rgb>(1, 1);
+    if (has(kLobeChannels[0])) names.specular_colour = Image<Rgb>(1, 1);
     if (has(kAxesChannels[0])) names.lobe_axes = Image<LobeAxes>(1, 1);
     for (const DryChannel& c : channels_of(names))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
-    const double beside =
-        (names.lobe_colour.empty() ? 0.0 : sizeof(Rgb)) + (names.lobe_axes.empty() ? 0.0 : sizeof(LobeAxes));
+    const double beside = (names.specular_colour.empty() ? 0.0 : sizeof(Rgb)) +
+                          (names.lobe_axes.empty() ? 0.0 : sizeof(LobeAxes));
     require_memory_of_surface(path, width, height, beside, "a painting");
     Maps maps = read_maps(path, file, number, width, height, names, progress);
     Surface& s = maps.surface;
     s.mm_per_pixel = kept_scale_mm(attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f));
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
-    s.law.diffuse_roughness = attribute<Imf::DoubleAttribute>(header, "diffuse_roughness", 0.0);
-    s.law.haze = attribute<Imf::DoubleAttribute>(header, "haze", 0.0);
-    for (const auto& [name, value] :
-         {std::pair("diffuse_roughness", s.law.diffuse_roughness), {"haze", s.law.haze}})
+    s.reflectance_model.diffuse_roughness = attribute<Imf::DoubleAttribute>(header, "diffuse_roughness", 0.0);
+    s.reflectance_model.haze = attribute<Imf::DoubleAttribute>(header, "haze", 0.0);
+    for (const auto& [name, value] : {std::pair("diffuse_roughness", s.reflectance_model.diffuse_roughness),
+                                      {"haze", s.reflectance_model.haze}})
         if (!(value >= 0 && value <= 1)) fail("{}: {} = {} is not from 0 to 1", path.string(), name, value);
     s.scale_known = attribute<Imf::IntAttribute>(header, "scale_known", 0) != 0;
     s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());

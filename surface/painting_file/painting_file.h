@@ -1,7 +1,7 @@
 // painting_file.h: a painting as one multi-part OpenEXR file; part `dry` holds the fitted Surface.
 //
 // Channels (32-bit float): height [mm], normal.X/Y/Z, diffuse.R/G/B, specular, roughness, confidence,
-// and lobe.R/G/B where lobes have colours, roughness.V and tangent where they are drawn out. Attributes:
+// and lobe.R/G/B where lobes have colours, roughness.V and tangent where they are anisotropic. Attributes:
 // mm_per_pixel, scale_known, photography (JSON),
 // provenance (JSON), dry_hash. docs/quantities.md has all.
 #pragma once

@@ -17,7 +17,9 @@ namespace {
 constexpr float kSmallestRoughness = 1e-6f;  // [1] its square divides
 constexpr std::uint64_t kHashOffset = 0xcbf29ce484222325u, kHashPrime = 0x100000001b3u;  // FNV-1a
 
-bool is_lobe_colour(const Rgb& c) { return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1; }
+bool is_specular_colour(const Rgb& c) {
+    return std::min({c.r, c.g, c.b}) >= 0 && std::max({c.r, c.g, c.b}) <= 1;
+}
 
 // What a pixel must not hold where it was measured; empty where all is well.
 std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std::size_t i) {
@@ -27,9 +29,9 @@ std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std
     const float roughness = s.roughness.pixels()[i];
     if (!(roughness >= kSmallestRoughness))
         return fmt::format("map 'roughness' holds {}, less than {}", roughness, kSmallestRoughness);
-    if (!s.lobe_colour.empty()) {
-        const Rgb& colour = s.lobe_colour.pixels()[i];
-        if (!is_lobe_colour(colour))
+    if (!s.specular_colour.empty()) {
+        const Rgb& colour = s.specular_colour.pixels()[i];
+        if (!is_specular_colour(colour))
             return fmt::format("map 'lobe' holds ({}, {}, {}), which is not from 0 to 1", colour.r, colour.g,
                                colour.b);
     }
@@ -59,7 +61,7 @@ void clear_pixel(Surface& s, std::size_t i) {
     s.specular.pixels()[i] = unmeasured.specular(0, 0);
     s.roughness.pixels()[i] = unmeasured.roughness(0, 0);
     s.confidence.pixels()[i] = unmeasured.confidence(0, 0);
-    if (!s.lobe_colour.empty()) s.lobe_colour.pixels()[i] = Rgb(1);
+    if (!s.specular_colour.empty()) s.specular_colour.pixels()[i] = Rgb(1);
     if (!s.lobe_axes.empty()) s.lobe_axes.pixels()[i] = {unmeasured.roughness(0, 0), 0};
 }
 
@@ -73,7 +75,7 @@ bool is_plain(const Surface& s, std::span<const DryChannel> channels, std::size_
     }
     const float *normal = channels[1].base + 3 * i,
                 length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    if (!s.lobe_colour.empty() && !is_lobe_colour(s.lobe_colour.pixels()[i])) return false;
+    if (!s.specular_colour.empty() && !is_specular_colour(s.specular_colour.pixels()[i])) return false;
     if (!s.lobe_axes.empty() && !(s.lobe_axes.pixels()[i].roughness_v >= kSmallestRoughness)) return false;
     return none == 0 && channels[8].base[i] >= kSmallestRoughness && normal[2] > 0 &&
            std::abs(length2 - 1) <= 1.5e-5f;
@@ -94,9 +96,9 @@ std::vector<DryChannel> channels_of(Surface& s) {
                                         {"specular", s.specular.data(), 1},
                                         {"roughness", s.roughness.data(), 1},
                                         {"confidence", s.confidence.data(), 1}};
-    if (!s.lobe_colour.empty())
+    if (!s.specular_colour.empty())
         for (std::size_t c = 0; c < kLobeChannels.size(); ++c)
-            channels.push_back({kLobeChannels[c], &s.lobe_colour.data()->r + c, 3});
+            channels.push_back({kLobeChannels[c], &s.specular_colour.data()->r + c, 3});
     if (!s.lobe_axes.empty()) {
         channels.push_back({kAxesChannels[0], &s.lobe_axes.data()->roughness_v, 2});
         channels.push_back({kAxesChannels[1], &s.lobe_axes.data()->tangent, 2});

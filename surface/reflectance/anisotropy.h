@@ -1,4 +1,4 @@
-// anisotropy.h: lobes that are drawn out in one direction: brushed or burnished metal, varnish in the
+// anisotropy.h: lobes that are anisotropic in one direction: brushed or burnished metal, varnish in the
 // direction of a canvas' threads (Ward 1992, eq. 5, in any normalisation of ward.h).
 //
 // The tangent plane has the axes e1, e2 that x and y become when z is turned into the normal the shortest
@@ -42,7 +42,7 @@ StretchShape<T> shape_of(T a, T b) {
     return {cosh(2 * s), k * a, k * b};
 }
 
-// Where a lobe is drawn out (anisotropic Ward; the frame is above): alpha is `roughness`
+// Where a lobe is anisotropic (anisotropic Ward; the frame is above): alpha is `roughness`
 // times a factor along the tangent, and that much less across it, so that `roughness` stays their geometric
 // mean and an isotropic lobe of it has the same peak and energy.
 struct LobeAxes {
@@ -85,8 +85,8 @@ inline void add_axes(const Vec3& n, const Vec3& h, float tangent, WardAngles<flo
 }
 
 // Lobe and haze of a pixel whose alpha is `roughness`, in directions of the surface frame.
-inline float drawn_out_lobe(WardModel model, WardAngles<float> angles, const Vec3& n, const Vec3& h,
-                            float roughness, const LobeAxes& axes, float haze) {
+inline float anisotropic_lobe(WardModel model, WardAngles<float> angles, const Vec3& n, const Vec3& h,
+                              float roughness, const LobeAxes& axes, float haze) {
     add_axes(n, h, axes.tangent, angles);
     const float across = axes.roughness_v, along = roughness * roughness / across;
     const float core = ward_lobe(model, angles, along, across);

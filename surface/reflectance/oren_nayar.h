@@ -5,7 +5,7 @@
 //   f = rho_d (A + B s / t),   A = 1 / (pi + (pi/2 - 2/3) sigma),   B = sigma A
 //   s = l.v - (n.l)(n.v),      t = max(n.l, n.v) where s > 0, else 1
 // sigma [1] in 0 (Lambert) .. 1. It is reciprocal. Seen along the normal it is Lambert's with less of rho_d;
-// what it changes is slopes: brighter than Lambert's where lamp and camera are on the same side of the
+// what it changes is slopes: brighter than Lambert's where light and camera are on the same side of the
 // normal, darker where they are not.
 #pragma once
 

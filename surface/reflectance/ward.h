@@ -88,13 +88,13 @@ T ward_lobe(WardModel model, const WardAngles<T>& a, T alpha_x, T alpha_y) {
 }
 
 // What all pixels of a painting share of its reflectance, beside the lobes of their own.
-struct ReflectanceLaw {
+struct ReflectanceModel {
     double diffuse_roughness = 0;  // [1] 0 (Lambert's law) .. 1: sigma of surface/reflectance/oren_nayar.h
     // [1] 0 .. 1: part of rho_s that is in a wider lobe of kHazeWidth alpha. Varnish and oil paint have a
     // bright core and a faint wide halo, which no single Gaussian has (Ngan, Durand & Matusik 2005, sec. 4).
     double haze = 0;
 
-    friend bool operator==(const ReflectanceLaw&, const ReflectanceLaw&) = default;
+    friend bool operator==(const ReflectanceModel&, const ReflectanceModel&) = default;
 };
 constexpr double kHazeWidth = 2;  // [1]
 

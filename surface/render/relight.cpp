@@ -43,21 +43,21 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     const Vec3& n = s.normal(x, y);
     const WardAngles<float> angles = ward_angles(n, light, view);
     if (!(angles.n_l > 0)) return Rgb(0);
-    const auto haze = static_cast<float>(s.law.haze);
+    const auto haze = static_cast<float>(s.reflectance_model.haze);
     const float lobe = s.lobe_axes.empty() ? hazy_lobe(model, angles, s.roughness(x, y), haze)
-                                           : drawn_out_lobe(model, angles, n, light + view, s.roughness(x, y),
-                                                            s.lobe_axes(x, y), haze);
-    const auto diffuse_roughness = static_cast<float>(s.law.diffuse_roughness);
+                                           : anisotropic_lobe(model, angles, n, light + view,
+                                                              s.roughness(x, y), s.lobe_axes(x, y), haze);
+    const auto diffuse_roughness = static_cast<float>(s.reflectance_model.diffuse_roughness);
     const float matt =
         angles.n_v > 0 ? rough_diffuse(angles.n_l, angles.n_v, angles.h_h / 2 - 1, diffuse_roughness).value
                        : angles.n_l;
     const float gloss = std::numbers::pi_v<float> * s.specular(x, y) * lobe * angles.n_l;
-    if (s.lobe_colour.empty()) return s.diffuse(x, y) * matt + gloss;
-    return s.diffuse(x, y) * matt + gloss * s.lobe_colour(x, y);
+    if (s.specular_colour.empty()) return s.diffuse(x, y) * matt + gloss;
+    return s.diffuse(x, y) * matt + gloss * s.specular_colour(x, y);
 }
 
 double light_radius_deg(const Surface& s, const RelightOptions& options) {
-    return options.light_radius_deg.value_or(static_cast<double>(s.photography.rig.lamp_radius_deg));
+    return options.light_radius_deg.value_or(static_cast<double>(s.photography.rig.light_radius_deg));
 }
 
 Image<float> visibility(const Surface& s, const Light& light, double light_radius_deg) {

@@ -15,8 +15,8 @@ namespace tangi {
 struct RelightOptions {
     WardModel model = WardModel::bounded;
     bool cast_shadows = false;  // march the height map towards each light
-    // [deg] Angular radius of the lights, for the penumbra of cast shadows; where empty, that of the lamps
-    // that the surface was photographed with (Rig::lamp_radius_deg).
+    // [deg] Angular radius of the lights, for the penumbra of cast shadows; where empty, that of the lights
+    // that the surface was photographed with (Rig::light_radius_deg).
     std::optional<double> light_radius_deg{};
     double ambient = 0;  // [1] part of rho_d that shines without any light
 
@@ -37,7 +37,7 @@ struct RelightOptions {
 // ahead where there is none):
 //   value = ambient rho_d + sum over lights of irradiance *
 //           (visibility * (rho_d D + pi rho_s colour lobe max(0, n.l)) + rig.ambient rho_d)
-// with the colour of the lobe, 1 where surface.lobe_colour is empty, drawn out as surface.lobe_axes say
+// with the colour of the lobe, 1 where surface.specular_colour is empty, anisotropic as surface.lobe_axes say
 // (anisotropy.h), and D of oren_nayar.h, max(0, n.l) where
 // surface.law.diffuse_roughness is 0: then a matt white facing a light of gain 1 is 1 + rig.ambient. It is
 // linear in the lights (tested).

@@ -16,13 +16,14 @@ using nlohmann::json;
 
 namespace {
 
-constexpr const char* kPart = "faithful";
+constexpr const char* kPart = "residual";
+constexpr const char* kPartBefore = "faithful";  // in files of version 0.1
 constexpr const char* kInVain = "no gain";
 
 std::string channel_of(const char* kind, std::size_t term) { return fmt::format("{}.{:03}", kind, term); }
 
 // Names in the order of their text: brightness.000 …, colour.000.S, colour.000.T, …
-std::vector<std::string> channels_of(const FaithfulResidual& r) {
+std::vector<std::string> channels_of(const RelightingResidual& r) {
     std::vector<std::string> names;
     for (std::size_t t = 0; t < r.brightness.size(); ++t) names.push_back(channel_of("brightness", t));
     for (std::size_t t = 0; t < r.colour.size(); ++t)
@@ -30,11 +31,11 @@ std::vector<std::string> channels_of(const FaithfulResidual& r) {
     return names;
 }
 
-const Image<float>& map_of(const FaithfulResidual& r, std::size_t channel) {
+const Image<float>& map_of(const RelightingResidual& r, std::size_t channel) {
     return channel < r.brightness.size() ? r.brightness[channel] : r.colour[channel - r.brightness.size()];
 }
 
-json model_of(const FaithfulResidual& r) {
+json model_of(const RelightingResidual& r) {
     json directions = json::array();
     for (const Vec3& d : r.directions) directions.push_back({d.x, d.y, d.z});
     return {{"kernel", name_of(r.kernel)},
@@ -46,12 +47,12 @@ json model_of(const FaithfulResidual& r) {
 }
 
 // What the attribute says; throws what the JSON reader throws, or runtime_error.
-FaithfulResidual from_model(const json& model) {
-    FaithfulResidual r;
+RelightingResidual from_model(const json& model) {
+    RelightingResidual r;
     const std::string kernel = model.at("kernel").get<std::string>();
-    if (kernel == name_of(FaithfulResidual::Kernel::matern)) {
-        r.kernel = FaithfulResidual::Kernel::matern;
-    } else if (kernel != name_of(FaithfulResidual::Kernel::gaussian)) {
+    if (kernel == name_of(RelightingResidual::Kernel::matern)) {
+        r.kernel = RelightingResidual::Kernel::matern;
+    } else if (kernel != name_of(RelightingResidual::Kernel::gaussian)) {
         throw std::runtime_error("its kernel is '" + kernel + "'");
     }
     r.reach = model.at("reach").get<double>();
@@ -60,8 +61,8 @@ FaithfulResidual from_model(const json& model) {
         throw std::runtime_error("reach or light_radius_deg is out of range");
     for (const json& d : model.at("directions"))
         r.directions.push_back(Vec3(d.at(0).get<float>(), d.at(1).get<float>(), d.at(2).get<float>()));
-    r.brightness_weights = model.at("brightness").get<FaithfulResidual::Weights>();
-    r.colour_weights = model.at("colour").get<FaithfulResidual::Weights>();
+    r.brightness_weights = model.at("brightness").get<RelightingResidual::Weights>();
+    r.colour_weights = model.at("colour").get<RelightingResidual::Weights>();
     for (const auto* weights : {&r.brightness_weights, &r.colour_weights})
         for (const std::vector<double>& row : *weights)
             if (row.size() != r.directions.size())
@@ -71,17 +72,17 @@ FaithfulResidual from_model(const json& model) {
 
 }  // namespace
 
-double kernel_at(FaithfulResidual::Kernel kernel, double reach, double distance) {
+double kernel_at(RelightingResidual::Kernel kernel, double reach, double distance) {
     const double d = distance / reach;
-    if (kernel == FaithfulResidual::Kernel::gaussian) return std::exp(-d * d / 2);
+    if (kernel == RelightingResidual::Kernel::gaussian) return std::exp(-d * d / 2);
     return (1 + std::sqrt(3.0) * d) * std::exp(-std::sqrt(3.0) * d);
 }
 
-std::string name_of(FaithfulResidual::Kernel kernel) {
-    return kernel == FaithfulResidual::Kernel::gaussian ? "gaussian" : "matern";
+std::string name_of(RelightingResidual::Kernel kernel) {
+    return kernel == RelightingResidual::Kernel::gaussian ? "gaussian" : "matern";
 }
 
-std::vector<double> weights_at(const FaithfulResidual& residual, const FaithfulResidual::Weights& weights,
+std::vector<double> weights_at(const RelightingResidual& residual, const RelightingResidual::Weights& weights,
                                const Vec3& direction) {
     std::vector<double> kernel, result(weights.size());
     for (const Vec3& photographed : residual.directions)
@@ -101,7 +102,7 @@ glm::mat3 colour_frame(const Rgb& diffuse) {
     return {u, e1, glm::cross(u, e1)};
 }
 
-void add_residual(const FaithfulResidual& residual, const Surface& dry, std::span<const Light> lights,
+void add_residual(const RelightingResidual& residual, const Surface& dry, std::span<const Light> lights,
                   const Image<float>& bare, Image<Rgb>& picture) {
     if (residual.empty()) return;
     TP_REQUIRE(picture.region() == dry.height_mm.region() &&
@@ -137,7 +138,7 @@ void add_residual(const FaithfulResidual& residual, const Surface& dry, std::spa
     for (Rgb& value : picture.pixels()) value = glm::max(value, Rgb(0));
 }
 
-PartToWrite part_of(const FaithfulResidual& residual) {
+PartToWrite part_of(const RelightingResidual& residual) {
     TP_REQUIRE(!residual.empty(), "an empty residual is no part");
     PartToWrite part;
     const Image<float>& first = residual.brightness.front();
@@ -154,38 +155,40 @@ PartToWrite part_of(const FaithfulResidual& residual) {
     return part;
 }
 
-std::string with_faithful_in_vain(const std::string& provenance) {
+std::string with_residual_in_vain(const std::string& provenance) {
     json all = json_or_discarded(provenance);
     if (!all.is_object()) all = {{"made_of", provenance}};
-    all["faithful"] = kInVain;
+    all[kPart] = kInVain;
     return all.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-bool faithful_in_vain(const Surface& surface) {
+bool residual_in_vain(const Surface& surface) {
     const json all = json_or_discarded(surface.provenance);
-    return all.is_object() && all.value("faithful", json()) == kInVain;
+    return all.is_object() &&
+           (all.value(kPart, json()) == kInVain || all.value(kPartBefore, json()) == kInVain);
 }
 
-FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface& dry,
-                               const Progress& progress) {
+RelightingResidual read_residual(const std::filesystem::path& path, const Surface& dry,
+                                 const Progress& progress) {
     const std::vector<PartInfo> parts = painting_parts(path);
-    const auto found =
-        std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) { return p.name == kPart; });
+    const auto found = std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) {
+        return p.name == kPart || p.name == kPartBefore;
+    });
     if (found == parts.end()) return {};
     const auto text = [&](const std::string& name) {
         const auto attribute = found->attributes.find(name);
         if (attribute == found->attributes.end())
-            fail("{}: part '{}' has no attribute '{}'; fit again with --faithful", path.string(), kPart,
+            fail("{}: part '{}' has no attribute '{}'; fit again with --residual", path.string(), kPart,
                  name);
         return attribute->second;
     };
-    FaithfulResidual r;
+    RelightingResidual r;
     try {
         r = from_model(json_or_discarded(text("model")));
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {
-        fail("{}: part '{}', attribute 'model': {}; fit again with --faithful", path.string(), kPart,
+        fail("{}: part '{}', attribute 'model': {}; fit again with --residual", path.string(), kPart,
              why_wrong_field(error));
     }
     r.dry_hash = text("dry_hash");
@@ -193,12 +196,12 @@ FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface&
         fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), kPart, found->width,
              found->height, dry.width(), dry.height());
     if (r.dry_hash != hash_of(dry))
-        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again with --faithful", path.string(),
+        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again with --residual", path.string(),
              kPart, r.dry_hash);
     r.brightness.resize(r.brightness_weights.size());
     r.colour.resize(2 * r.colour_weights.size());
     if (r.empty() || channels_of(r) != found->channels)
-        fail("{}: part '{}' does not have the channels that its model names; fit again with --faithful",
+        fail("{}: part '{}' does not have the channels that its model names; fit again with --residual",
              path.string(), kPart);
     for (auto* maps : {&r.brightness, &r.colour})
         for (Image<float>& map : *maps) map = Image<float>(dry.width(), dry.height());
@@ -214,7 +217,7 @@ FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface&
                         if (!std::isfinite(row[x]))
                             fail(
                                 "{}: part '{}', channel '{}' holds {} at pixel ({}, {}); fit again with "
-                                "--faithful",
+                                "--residual",
                                 path.string(), kPart, found->channels[c], row[x], x, y);
                 }
         },

@@ -1,5 +1,5 @@
 // relighting_residual.h: what photographs show beyond the fitted surface, as a residual over the direction of
-// the light: a few coefficients a pixel, kept in part `faithful` of the painting file.
+// the light: a few coefficients a pixel, kept in part `residual` of the painting file.
 //
 // The residual at a light of direction l, in units of its irradiance, is
 //     sum over t of b_t(l) B_t u  +  sum over t of c_t(l) (S_t e1 + T_t e2)
@@ -20,7 +20,7 @@
 
 namespace tangi {
 
-struct FaithfulResidual {
+struct RelightingResidual {
     // k: exp(-d^2 / 2 reach^2), or (1 + a) exp(-a), a = sqrt(3) d / reach (Matern, nu = 3/2)
     enum class Kernel { gaussian, matern };
     // Terms that share their functions of the direction.
@@ -38,11 +38,11 @@ struct FaithfulResidual {
     bool empty() const { return brightness.empty(); }
 };
 
-double kernel_at(FaithfulResidual::Kernel kernel, double reach, double distance);
-std::string name_of(FaithfulResidual::Kernel kernel);
+double kernel_at(RelightingResidual::Kernel kernel, double reach, double distance);
+std::string name_of(RelightingResidual::Kernel kernel);
 
 // Values of the functions b_t or c_t at a direction.
-std::vector<double> weights_at(const FaithfulResidual& residual, const FaithfulResidual::Weights& weights,
+std::vector<double> weights_at(const RelightingResidual& residual, const RelightingResidual::Weights& weights,
                                const Vec3& direction);
 
 // u, e1, e2 of a pixel: orthonormal; (1, 1, 1) where rho_d is 0.
@@ -50,20 +50,20 @@ glm::mat3 colour_frame(const Rgb& diffuse);
 
 // Adds the residual to a picture of `dry` that relight() made under these lights with cast shadows; `bare`,
 // where not empty, is the part of each pixel, 0..1, that no paint covers. No value becomes less than 0.
-void add_residual(const FaithfulResidual& residual, const Surface& dry, std::span<const Light> lights,
+void add_residual(const RelightingResidual& residual, const Surface& dry, std::span<const Light> lights,
                   const Image<float>& bare, Image<Rgb>& picture);
 
-// The part `faithful`, to write with write_painting(): it refers to the residual. Half floats.
-PartToWrite part_of(const FaithfulResidual& residual);
+// The part `residual`, to write with write_painting(): it refers to the residual. Half floats.
+PartToWrite part_of(const RelightingResidual& residual);
 
 // Provenance (JSON) that says that a residual was looked for, and none was stored since it gained nothing;
 // and whether a surface's says so.
-std::string with_faithful_in_vain(const std::string& provenance);
-bool faithful_in_vain(const Surface& surface);
+std::string with_residual_in_vain(const std::string& provenance);
+bool residual_in_vain(const Surface& surface);
 
 // Of a painting file; empty where it has none. Throws Error naming the file and the part: damaged, of another
 // size, of another dry layer than `dry`, values that are not finite.
-FaithfulResidual read_faithful(const std::filesystem::path& path, const Surface& dry,
-                               const Progress& progress = {});
+RelightingResidual read_residual(const std::filesystem::path& path, const Surface& dry,
+                                 const Progress& progress = {});
 
 }  // namespace tangi

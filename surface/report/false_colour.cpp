@@ -299,15 +299,15 @@ std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
     maps.push_back({"roughness", "Roughness", "α",
                     "Width of the gloss: small is mirror-like, large is satin.", "1", roughness,
                     scalar(surface.roughness, roughness)});
-    if (!surface.lobe_colour.empty())
+    if (!surface.specular_colour.empty())
         maps.push_back({"lobe", "Colour of the gloss", "", "White, or a metal's own; shown as sRGB.", "1",
-                        std::nullopt, colours(surface.lobe_colour)});
+                        std::nullopt, colours(surface.specular_colour)});
     if (!surface.lobe_axes.empty()) {
         Image<float> stretch(surface.width(), surface.height());
         for (std::size_t i = 0; i < stretch.size(); ++i)
             stretch.pixels()[i] =
                 glm::length(stretch_of(surface.lobe_axes.pixels()[i], surface.roughness.pixels()[i]));
-        maps.push_back({"stretch", "Stretch of the gloss", "",
+        maps.push_back({"anisotropy", "Stretch of the gloss", "",
                         "How much wider it is along one direction than on the mean, as a logarithm.", "1",
                         from_zero(stretch), scalar(stretch, from_zero(stretch))});
     }

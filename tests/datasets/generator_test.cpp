@@ -181,13 +181,13 @@ TEST(WriteStack, KeepsTheTruthBesideThePhotographs) {
 
 TEST(WriteStack, GoldLeafHasALobeOfItsColour) {
     const PaintingTruth plain = small_painting();
-    EXPECT_TRUE(plain.lobe_colour.empty());
+    EXPECT_TRUE(plain.specular_colour.empty());
     const PaintingTruth truth = procedural_painting(
         {.width = 48, .height = 40, .brush_width_mm = 2, .crack_distance_mm = 3, .gilding = true});
-    ASSERT_EQ(truth.lobe_colour.region(), truth.height_mm.region());
-    EXPECT_EQ(truth.lobe_colour(24, 20), Rgb(1)) << "paint in the middle";
+    ASSERT_EQ(truth.specular_colour.region(), truth.height_mm.region());
+    EXPECT_EQ(truth.specular_colour(24, 20), Rgb(1)) << "paint in the middle";
     EXPECT_EQ(truth.diffuse(24, 20), plain.diffuse(24, 20));
-    const Rgb gold = truth.lobe_colour(1, 20);
+    const Rgb gold = truth.specular_colour(1, 20);
     EXPECT_LT(gold.b, 0.5f);
     EXPECT_LT(gold.b, gold.g);
     EXPECT_GT(truth.specular(1, 20), 0.2f);
@@ -196,13 +196,13 @@ TEST(WriteStack, GoldLeafHasALobeOfItsColour) {
     const GeneratorOptions options{.lights = 4, .held_out = 0, .reflectance = Reflectance::ward_bounded};
     write_stack(folder / "stack", truth, options);
     EXPECT_EQ(read_picture(folder / "stack" / "gt" / "lobe.exr")(1, 20), gold);
-    EXPECT_TRUE(images_identical(read_painting(folder / "stack" / "gt" / "truth.exr").lobe_colour,
-                                 truth.lobe_colour));
+    EXPECT_TRUE(images_identical(read_painting(folder / "stack" / "gt" / "truth.exr").specular_colour,
+                                 truth.specular_colour));
     // What gold shows beyond its matt part, in a mirror's direction, has its colour; as Ward's lobe and as
     // GGX.
     PaintingTruth flat(2, 1);
-    flat.lobe_colour = Image<Rgb>(2, 1, gold);
-    flat.lobe_colour(1, 0) = Rgb(1);
+    flat.specular_colour = Image<Rgb>(2, 1, gold);
+    flat.specular_colour(1, 0) = Rgb(1);
     std::fill(flat.diffuse.pixels().begin(), flat.diffuse.pixels().end(), Rgb(0));
     std::fill(flat.specular.pixels().begin(), flat.specular.pixels().end(), 0.3f);
     for (const Reflectance reflectance : {Reflectance::ward_bounded, Reflectance::ggx}) {
@@ -232,7 +232,7 @@ TEST(WriteStack, RubbedGoldLeafShinesWideAcrossTheBorder) {
                 {.lights = 4, .held_out = 0, .reflectance = Reflectance::ward_bounded});
     EXPECT_EQ(read_painting(folder / "stack" / "gt" / "truth.exr").lobe_axes(1, 20), truth.lobe_axes(1, 20));
     EXPECT_TRUE(fs::exists(folder / "stack" / "gt" / "roughness_v.exr"));
-    // Under a lamp off to the side and one as far above, as Ward's lobe and as GGX.
+    // Under a light off to the side and one as far above, as Ward's lobe and as GGX.
     PaintingTruth flat(1, 1);
     flat.specular(0, 0) = 0.3f;
     flat.lobe_axes = Image<LobeAxes>(1, 1, axes_of({0.5f, 0}, flat.roughness(0, 0)));

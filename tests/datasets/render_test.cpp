@@ -45,7 +45,7 @@ TEST(BeamPart, IsHalfAtItsAngleFromTheAxis) {
     const GeneratorOptions aimed{.distance = 1, .beam_deg = 20, .aim_error = 0.3};
     const auto tilt = [&](const Light& l) { return beam_part(l, {aside, 0, 0}, 500, aimed); };
     EXPECT_NE(tilt(light), 0.5);
-    EXPECT_NE(tilt(light), tilt(near_light({0, 0, 500}, "b.png"))) << "each lamp is aimed by itself";
+    EXPECT_NE(tilt(light), tilt(near_light({0, 0, 500}, "b.png"))) << "each light is aimed by itself";
     EXPECT_THROW(require_valid({.beam_deg = 20}), Error) << "a distant light has no beam";
 }
 
@@ -110,7 +110,7 @@ TEST(RenderPhoto, CastsShadowsAsLongAsTheStepIsHigh) {
     EXPECT_GT(lit(edge, 4).g, 0.1f);
 }
 
-// At a flat pixel d away from a lamp h above the centre: inverse square (h/d)^2, cosine h/d.
+// At a flat pixel d away from a light h above the centre: inverse square (h/d)^2, cosine h/d.
 TEST(RenderPhoto, FallsOffWithTheInverseSquareOfTheDistanceToANearLight) {
     const PaintingTruth white(101, 101, 1);
     const Light light = near_light({0, 0, 80});

@@ -29,9 +29,9 @@ struct Use {
     std::function<Words(const std::string& file)> command;
 };
 
-class Desk {
+class DocumentController {
 public:
-    Desk() {
+    DocumentController() {
         write_bytes(out("palette.json"), kinds_.at("palette.json").whole);
         write_bytes(out("whole.exr"), kinds_.at("a.exr").whole);
     }
@@ -121,21 +121,21 @@ double number_given(const char* variable, double otherwise) {
 }
 
 TEST(DamagedFiles, MakeTheProgramNeitherCrashNorHangNorSpeakNonsense) {
-    const Desk desk;
+    const DocumentController controller;
     const double seconds = number_given("TP_RANDOM_S", 25);
     const auto seed = static_cast<std::uint64_t>(number_given("TP_RANDOM_SEED", 1));
     const char* only = std::getenv("TP_RANDOM_FILE");
     const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-    const std::vector<Use> uses = desk.uses();
-    const fs::path folder = desk.out("damaged");
+    const std::vector<Use> uses = controller.uses();
+    const fs::path folder = controller.out("damaged");
     fs::create_directories(folder);
     long files = 0;
     for (int round = 0; Clock::now() < end; ++round)
         for (const Use& use : uses) {
             if ((only && use.kind != only) || Clock::now() >= end) continue;
             Random random(seed * 1'000'003 + static_cast<std::uint64_t>(round) * 101 + use.kind.size());
-            const std::string bytes =
-                round == 0 ? desk.kind(use.kind).whole : damaged(desk.kind(use.kind).whole, random);
+            const std::string bytes = round == 0 ? controller.kind(use.kind).whole
+                                                 : damaged(controller.kind(use.kind).whole, random);
             const std::string file = (folder / use.kind).string();
             write_bytes(file, bytes);
             const std::string wrong = objection_to(tangipaint(use.command(file), {.timeout = kLongest}));

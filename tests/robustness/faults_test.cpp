@@ -146,7 +146,7 @@ TEST_F(CliFaults, Compare) {
 TEST_F(CliFaults, Calibrate) {
     try_scene({"calibrate",
                {},
-               {"calibrate", "photos", "--no-balls", "--chart", "off", "--ppi", "300", "--out",
+               {"calibrate", "photos", "--no-spheres", "--chart", "off", "--ppi", "300", "--out",
                 "photos/lights.lp", "--force"},
                {"info", "photos"}});
 }

@@ -32,9 +32,9 @@ inline nlohmann::json expect_warned(const TinyStack& stack, const std::vector<st
     return result;
 }
 
-inline std::vector<std::string> names_left_out(const nlohmann::json& result) {
+inline std::vector<std::string> names_rejected(const nlohmann::json& result) {
     std::vector<std::string> names;
-    for (const auto& photo : result["photographs"]["left_out"]) names.push_back(photo["name"]);
+    for (const auto& photo : result["photographs"]["rejected"]) names.push_back(photo["name"]);
     return names;
 }
 

@@ -1,4 +1,4 @@
-// bumps.h: a matt relief under lamps of unequal strength, as a survey of its photographs sees it.
+// bumps.h: a matt relief under lights of unequal strength, as a survey of its photographs sees it.
 #pragma once
 
 #include <cmath>
@@ -10,35 +10,35 @@
 
 namespace tangi {
 
-// A matt relief of bumps and dabs of paint, of slopes of about `steep`, under 16 lamps of unequal strength.
+// A matt relief of bumps and dabs of paint, of slopes of about `steep`, under 16 lights of unequal strength.
 struct Bumps {
     static constexpr int kWidth = 320, kHeight = 240;
     std::vector<Light> lights;
     Survey survey;
 
-    // Lamps on a spiral, each 2.4 radians on and lower. `same_side`: the second of these stands on the side
+    // Lights on a spiral, each 2.4 radians on and lower. `same_side`: the second of these stands on the side
     // of the first.
     static std::vector<Light> spiral(std::optional<std::pair<std::size_t, std::size_t>> same_side = {}) {
         std::vector<Light> lights;
         for (int i = 0; i < 16; ++i) {
             const bool moved = same_side && same_side->second == static_cast<std::size_t>(i);
             lights.push_back(
-                lamp(2.4 * (moved ? static_cast<double>(same_side->first) : i), 0.35 + 0.045 * i, i));
+                light(2.4 * (moved ? static_cast<double>(same_side->first) : i), 0.35 + 0.045 * i, i));
         }
         return lights;
     }
     // In two rings, ten low ones and six high ones.
     static std::vector<Light> rings() {
         std::vector<Light> lights;
-        for (int i = 0; i < 10; ++i) lights.push_back(lamp(0.2 + 0.628 * i, 1.0, i));
-        for (int i = 10; i < 16; ++i) lights.push_back(lamp(1.047 * i, 0.5, i));
+        for (int i = 0; i < 10; ++i) lights.push_back(light(0.2 + 0.628 * i, 1.0, i));
+        for (int i = 10; i < 16; ++i) lights.push_back(light(1.047 * i, 0.5, i));
         return lights;
     }
 
-    // `nearness` [1]: half the picture's width by the lamps' distance. `ambient` [1]: light from all around.
-    explicit Bumps(double steep, double nearness = 0, double noise = 0.002, double ambient = 0,
-                   std::vector<Light> lamps = spiral())
-        : lights(std::move(lamps)) {
+    // `inverse_distance` [1]: half the picture's width by the lights' distance. `ambient` [1]: light from all around.
+    explicit Bumps(double steep, double inverse_distance = 0, double noise = 0.002, double ambient = 0,
+                   std::vector<Light> lit_by = spiral())
+        : lights(std::move(lit_by)) {
         survey.channels = 1;
         survey.photos.resize(lights.size());
         Random random(11);
@@ -53,7 +53,7 @@ struct Bumps {
                 const glm::dvec3 place((x - kWidth / 2.0) / (kWidth / 2.0),
                                        (kHeight / 2.0 - y) / (kWidth / 2.0), 0);
                 for (std::size_t i = 0; i < lights.size(); ++i) {
-                    const glm::dvec3 to = glm::dvec3(lights[i].direction) - nearness * place;
+                    const glm::dvec3 to = glm::dvec3(lights[i].direction) - inverse_distance * place;
                     const double distance = glm::length(to), strength = 0.5 + 0.02 * double(i);
                     const double value =
                         strength * diffuse *
@@ -75,7 +75,7 @@ struct Bumps {
     }
 
 private:
-    static Light lamp(double angle, double tilt, int number) {
+    static Light light(double angle, double tilt, int number) {
         Light light = distant_light(Vec3(
             glm::dvec3(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt))));
         light.name = fmt::format("photo_{:02}.png", number);

@@ -222,7 +222,7 @@ inline std::vector<FileKind> text_kinds() {
          "{\"origin_px\": "
          "[20, 15]},\n\"lights\": [{\"name\": \"a.png\", \"direction\": [0.6, 0, 0.8], \"position_mm\": "
          "[300, 0, "
-         "400]}],\n\"poor\": [\"few lights\"], \"method\": \"mirror balls\", \"scale\": {\"mm_per_pixel\": "
+         "400]}],\n\"poor\": [\"few lights\"], \"method\": \"mirror spheres\", \"scale\": {\"mm_per_pixel\": "
          "0.5}, "
          "\"geometry\": {\"photograph_px\": [41, 31], \"picture_px\": [40, 30], \"lens\": {\"focal_px\": "
          "[90, 90], "

@@ -1,24 +1,24 @@
-// mirrored_painting.h: a mirror ball that lies on a painting and mirrors it: its outline hardly shows.
+// mirrored_painting.h: a mirror sphere that lies on a painting and mirrors it: its outline hardly shows.
 #pragma once
 
-#include "tests/support/ball_pictures.h"
+#include "tests/support/sphere_pictures.h"
 
 namespace tangi {
 
-// A lamp, or what reflects one: a disc with a soft border and a glow around it.
-struct MirroredLamp {
+// A light, or what reflects one: a disc with a soft border and a glow around it.
+struct MirroredLight {
     glm::dvec3 direction{0, 0, 1};
     double strength = 40;  // 1 is clipped
 };
 
 struct MirroredPainting {
     int width = 110, height = 110;
-    std::vector<BallImage> balls = {{{54.3, 55.6}, 26, 0, 0}};
+    std::vector<SphereImage> spheres = {{{54.3, 55.6}, 26, 0, 0}};
     double plain_from = 1e9;  // [pixels] x from which on the painting is an even grey board
     double table = 0.25;      // [1] reflectance around the painting
     double contrast = 0.5;    // [1] of ln reflectance
     int finest = 2;           // [pixels] of the pattern
-    double lamp_deg = 4;      // radius
+    double light_deg = 4;     // radius
     double noise = 0.0015;
     std::uint64_t seed = 1;
 
@@ -57,40 +57,42 @@ struct MirroredPainting {
         return result;
     }
 
-    // Under a lamp, and what else shines; the first is the lamp that lights the painting.
-    Image<float> picture(const std::vector<MirroredLamp>& lamps, const Image<float>& reflectance) const {
-        const double lit = 0.75 * lamps[0].direction.z;
-        Random random(seed * 7919 + static_cast<std::uint64_t>(std::abs(lamps[0].direction.x * 1e6)));
+    // Under a light, and what else shines; the first is the light that lights the painting.
+    Image<float> picture(const std::vector<MirroredLight>& lights, const Image<float>& reflectance) const {
+        const double lit = 0.75 * lights[0].direction.z;
+        Random random(seed * 7919 + static_cast<std::uint64_t>(std::abs(lights[0].direction.x * 1e6)));
         Image<float> image(width, height);
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
                 double sum = 0;
                 for (int s = 0; s < 16; ++s)
-                    sum += seen({x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4}, lamps, reflectance, lit) / 16;
+                    sum +=
+                        seen({x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4}, lights, reflectance, lit) / 16;
                 image(x, y) = static_cast<float>(std::clamp(sum + noise * random.normal(), 0.0, 1.0));
             }
         return image;
     }
 
 private:
-    double seen(const glm::dvec2& at, const std::vector<MirroredLamp>& lamps, const Image<float>& reflectance,
-                double lit) const {
-        for (const BallImage& ball : balls) {
-            const auto point = ball_point(ball, {}, at);
+    double seen(const glm::dvec2& at, const std::vector<MirroredLight>& lights,
+                const Image<float>& reflectance, double lit) const {
+        for (const SphereImage& sphere : spheres) {
+            const auto point = sphere_point(sphere, {}, at);
             if (!point) continue;
             const glm::dvec3 to = point->mirrored(), n = point->normal;
             double value = 0.01;
             if (to.z < -1e-3) {
-                const double way = ball.radius_px * (n.z + 1) / -to.z;  // to the painting that it lies on
-                const glm::dvec2 hit = ball.centre_px + glm::dvec2(1, -1) * (ball.radius_px * glm::dvec2(n) +
-                                                                             way * glm::dvec2(to));
-                value =
-                    glm::length(hit - ball.centre_px) < 6 * width ? of_painting(hit, reflectance, lit) : 0.01;
+                const double way = sphere.radius_px * (n.z + 1) / -to.z;  // to the painting that it lies on
+                const glm::dvec2 hit =
+                    sphere.centre_px +
+                    glm::dvec2(1, -1) * (sphere.radius_px * glm::dvec2(n) + way * glm::dvec2(to));
+                value = glm::length(hit - sphere.centre_px) < 6 * width ? of_painting(hit, reflectance, lit)
+                                                                        : 0.01;
             }
-            for (const MirroredLamp& lamp : lamps) {
-                const double off = degrees_between(to, lamp.direction);
-                value += lamp.strength / (1 + std::exp((off - lamp_deg) / 0.3)) +
-                         0.001 * lamp.strength * std::exp(-off * off / 64);
+            for (const MirroredLight& light : lights) {
+                const double off = degrees_between(to, light.direction);
+                value += light.strength / (1 + std::exp((off - light_deg) / 0.3)) +
+                         0.001 * light.strength * std::exp(-off * off / 64);
             }
             return std::min(1.0, 0.85 * value);
         }
@@ -108,23 +110,23 @@ private:
     }
 };
 
-// Lamps all around from 20 to 70 degrees above the painting.
-inline std::vector<glm::dvec3> lamps_above(int count) {
-    std::vector<glm::dvec3> lamps;
+// Lights all around from 20 to 70 degrees above the painting.
+inline std::vector<glm::dvec3> lights_above(int count) {
+    std::vector<glm::dvec3> lights;
     for (int i = 0; i < count; ++i) {
         const double up = (20 + 50.0 * ((i * 7) % count) / count) * std::numbers::pi / 180, around = 2.4 * i;
-        lamps.emplace_back(std::cos(up) * std::cos(around), std::cos(up) * std::sin(around), std::sin(up));
+        lights.emplace_back(std::cos(up) * std::cos(around), std::cos(up) * std::sin(around), std::sin(up));
     }
-    return lamps;
+    return lights;
 }
 
 inline std::vector<std::filesystem::path> write_mirrored(
     const std::filesystem::path& folder, const MirroredPainting& scene,
-    const std::vector<std::vector<MirroredLamp>>& photos) {
+    const std::vector<std::vector<MirroredLight>>& photos) {
     const Image<float> reflectance = scene.painting();
     std::vector<std::filesystem::path> paths;
     for (std::size_t i = 0; i < photos.size(); ++i) {
-        paths.push_back(folder / ball_photo_name(static_cast<int>(i)));
+        paths.push_back(folder / sphere_photo_name(static_cast<int>(i)));
         write_map(paths.back(), scene.picture(photos[i], reflectance));
     }
     return paths;

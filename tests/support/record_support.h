@@ -35,7 +35,7 @@ inline testing::AssertionResult recorded_as_saved(const std::filesystem::path& p
     read_tools(painting, saved);
     Session again(Canvas(saved.canvas().dry_shared()), artist_acrylics());
     try {
-        if (const auto record = sitting_files(painting).record; std::filesystem::exists(record))
+        if (const auto record = recovery_files(painting).record; std::filesystem::exists(record))
             replay(again, read_journal(record));
     } catch (const Error& error) {
         return testing::AssertionFailure() << error.what();

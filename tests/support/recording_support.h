@@ -23,7 +23,7 @@ protected:
             painter_->send(PointEvent{{.time_s = 0.01 * i, .x_mm = i - 10.0, .y_mm = y_mm}});
     }
     void expect_record_makes(const fs::path& painting) {
-        EXPECT_THAT(read_journal(sitting_files(painting).record).warnings, testing::IsEmpty());
+        EXPECT_THAT(read_journal(recovery_files(painting).record).warnings, testing::IsEmpty());
         EXPECT_TRUE(recorded_as_saved(painting));
     }
     std::size_t paints_on_it() {
@@ -37,7 +37,7 @@ protected:
         }));
     }
 
-    const SittingFiles files_ = sitting_files(file_);
+    const RecoveryFiles files_ = recovery_files(file_);
 };
 
 }  // namespace tangi

@@ -65,17 +65,17 @@ inline Surface painted_surface(int width, int height, std::uint64_t seed = 1) {
 inline Surface gilded_surface(int width, int height, std::uint64_t seed = 1) {
     Surface s = painted_surface(width, height, seed);
     Random random(seed + 1);
-    s.lobe_colour = Image<Rgb>(width, height, Rgb(1));
+    s.specular_colour = Image<Rgb>(width, height, Rgb(1));
     for (int y = 0; y < height; ++y)
         for (int x = width / 4; x < width; ++x) {
-            Rgb& colour = s.lobe_colour(x, y);
+            Rgb& colour = s.specular_colour(x, y);
             colour = {random.real(0.1, 1), random.real(0.1, 1), random.real(0.1, 1)};
             colour /= std::max({colour.r, colour.g, colour.b});
         }
     return s;
 }
 
-// And drawn out in all directions.
+// And anisotropic in all directions.
 inline Surface brushed_surface(int width, int height, std::uint64_t seed = 1) {
     Surface s = gilded_surface(width, height, seed);
     Random random(seed + 2);

@@ -38,7 +38,7 @@ void Devices::camera() {
         camera_ = std::make_unique<Camera>(setup_.camera, wants, setup_.wake);
         seen_ = 0;
         head_ = {};
-        lamp_ = OneEuro(0.5, 2.0);
+        light_ = OneEuro(0.5, 2.0);
     } else if (wants != wants_) {
         camera_->want(wants);
     }
@@ -56,8 +56,8 @@ void Devices::camera() {
     if (wants.head) state_.viewer = head_.see(news.face, news.time_s);
     if (wants.light && news.light && !state_.comparing.on) {
         state_.sweeping = false;
-        const glm::dvec2 place = lamp_({news.light->x, news.light->y}, news.time_s);
-        state_.lamps[state_.lamp].angles = light_at(place);
+        const glm::dvec2 place = light_({news.light->x, news.light->y}, news.time_s);
+        state_.lights[state_.light].angles = light_at(place);
     }
 }
 

@@ -43,7 +43,7 @@ private:
     Camera::Wants wants_;
     int seen_ = 0;  // pictures of the camera
     HeadFollower head_;
-    OneEuro lamp_{0.5, 2.0};
+    OneEuro light_{0.5, 2.0};
     std::unique_ptr<TiltSensor> sensor_;
     std::optional<glm::dvec3> level_;  // gravity when the screen was held straight
     OneEuro turned_{1.5, 0.1};

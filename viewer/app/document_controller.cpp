@@ -8,7 +8,7 @@
 #include "surface/file/error_message.h"
 #include "surface/file/output_set.h"
 #include "viewer/model/user_settings.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -39,18 +39,19 @@ std::vector<std::string> photographs_of(const Painter& painter) {
 
 }  // namespace
 
-Desk::Desk(WindowState& state, Setup setup) : state_(state), setup_(std::move(setup)) {
+DocumentController::DocumentController(WindowState& state, Setup setup)
+    : state_(state), setup_(std::move(setup)) {
     state_.recent = recent_paintings(setup_.settings);
 }
 
 // Looking does not wait for the photograph that is being measured.
-void Desk::put_photos_away() {
+void DocumentController::put_photos_away() {
     state_.comparing = {};
     lit_ = -1;
     if (comparison_) put_away_ = std::async(std::launch::async, [old = std::move(comparison_)] {});
 }
 
-void Desk::shows(const Painter& painter) {
+void DocumentController::shows(const Painter& painter) {
     const Comparing before = state_.comparing;
     put_photos_away();
     measured_.reset();
@@ -65,7 +66,7 @@ void Desk::shows(const Painter& painter) {
     if (fs::exists(painter.file(), unknown)) remember(painter.file());
 }
 
-void Desk::remember(const fs::path& file) {
+void DocumentController::remember(const fs::path& file) {
     try {
         remember_painting(setup_.settings, file);
     } catch (const std::exception& error) {
@@ -74,7 +75,7 @@ void Desk::remember(const fs::path& file) {
     state_.recent = recent_paintings(setup_.settings);
 }
 
-bool Desk::start(std::string title, std::function<void(const Progress&)> work) {
+bool DocumentController::start(std::string title, std::function<void(const Progress&)> work) {
     if (job_) {
         setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
         return false;
@@ -83,7 +84,7 @@ bool Desk::start(std::string title, std::function<void(const Progress&)> work) {
     return true;
 }
 
-void Desk::open(const fs::path& file) {
+void DocumentController::open(const fs::path& file) {
     const std::optional<Palette> other = other_palette_ ? std::optional(setup_.palette) : std::nullopt;
     std::optional<SubstrateChoice> ground;
     std::error_code unknown;
@@ -105,14 +106,16 @@ void Desk::open(const fs::path& file) {
           });
 }
 
-void Desk::make(const fs::path& file, const SubstrateChoice& choice) { new_canvas_ = {file, choice}; }
+void DocumentController::make(const fs::path& file, const SubstrateChoice& choice) {
+    new_canvas_ = {file, choice};
+}
 
-void Desk::use_palette(Palette palette) {
+void DocumentController::use_palette(Palette palette) {
     setup_.palette = std::move(palette);
     other_palette_ = true;
 }
 
-void Desk::fit(const fs::path& chosen) {
+void DocumentController::fit(const fs::path& chosen) {
     const fs::path folder = fs::is_regular_file(chosen) ? fs::absolute(chosen).parent_path() : chosen;
     const fs::path out = place_for_fit(folder);
     const bool started = start(fmt::format("fitting {}", folder.filename().string()),
@@ -124,7 +127,7 @@ void Desk::fit(const fs::path& chosen) {
 }
 
 // With what is on the canvas at this moment.
-void Desk::write_as(const ExportFormat& format, const fs::path& out, Painter& painter) {
+void DocumentController::write_as(const ExportFormat& format, const fs::path& out, Painter& painter) {
     struct Now {
         std::optional<Canvas> canvas;
         std::vector<PartToWrite> tools;
@@ -148,7 +151,7 @@ void Desk::write_as(const ExportFormat& format, const fs::path& out, Painter& pa
     if (started) writes_ = true;
 }
 
-void Desk::hold_photos(const fs::path& folder, const Painter& painter) {
+void DocumentController::hold_photos(const fs::path& folder, const Painter& painter) {
     put_photos_away();
     state_.comparing.loaded = state_.comparing.on = true;
     state_.comparing.folder = folder.string();
@@ -162,13 +165,13 @@ void Desk::hold_photos(const fs::path& folder, const Painter& painter) {
     held_of_ = photographs_of(painter);
 }
 
-void Desk::turn_to(int index) {
+void DocumentController::turn_to(int index) {
     state_.comparing.news.wanted = index;
     comparison_->want(index);
 }
 
 // Past photographs that cannot be read.
-void Desk::step(int by) {
+void DocumentController::step(int by) {
     const Comparison::News& news = state_.comparing.news;
     if (!news.book || news.book->entries().empty()) return;
     const int count = static_cast<int>(news.book->entries().size());
@@ -180,7 +183,7 @@ void Desk::step(int by) {
     turn_to(index);
 }
 
-void Desk::take(const WindowState::Requests& ask, Painter& painter) {
+void DocumentController::take(const WindowState::Requests& ask, Painter& painter) {
     if (ask.stop_job && job_) job_->stop();
     if (!ask.fit_folder.empty() && setup_.workshop.fit) fit(ask.fit_folder);
     if (!ask.export_to.empty() && setup_.workshop.export_canvas)
@@ -201,7 +204,7 @@ void Desk::take(const WindowState::Requests& ask, Painter& painter) {
     }
 }
 
-bool Desk::look() {
+bool DocumentController::look() {
     const bool worked = std::exchange(worked_, job_ || (comparison_ && state_.comparing.news.working));
     if (job_) {
         const Job::State job = job_->state();
@@ -232,17 +235,17 @@ bool Desk::look() {
     const Comparison::News& now = state_.comparing.news;
     if (now.book && now.broken.contains(now.wanted) && now.broken.size() < now.book->entries().size())
         step(1);
-    // Until the photograph is there, the painting is shown as its lamp lights it; afterwards it stays so.
+    // Until the photograph is there, the painting is shown as its light lights it; afterwards it stays so.
     if (now.book && lit_ != now.wanted && !now.book->entries().empty()) {
         lit_ = now.wanted;
         const Light& light = now.book->entries()[static_cast<std::size_t>(lit_)].light;
-        state_.lamps[state_.lamp].angles = angles_of(light.direction);
+        state_.lights[state_.light].angles = angles_of(light.direction);
         state_.sweeping = false;
     }
     return worked || now.working;
 }
 
-std::optional<OpenedPainting> Desk::opened() {
+std::optional<OpenedPainting> DocumentController::opened() {
     if (job_) return {};
     return std::exchange(opened_, std::nullopt);
 }

@@ -24,16 +24,16 @@ struct OpenedPainting {
     bool is_new = false;               // a canvas that was just begun
 };
 
-class Desk {
+class DocumentController {
 public:
     struct Setup {
-        Workshop workshop;
+        HostServices workshop;
         Palette palette;
         std::filesystem::path settings;  // folder; empty: nothing is remembered
         std::function<void()> wake;
         std::function<void(const std::string&)> say;
     };
-    Desk(WindowState& state, Setup setup);
+    DocumentController(WindowState& state, Setup setup);
 
     // Tells what is shown from now on: photographs of another painting are put away; those of the same one,
     // such as its treatment, stay.
@@ -79,7 +79,7 @@ private:
     std::vector<std::string> held_of_;  // the painting that they are of
     std::optional<Region> measured_;
     bool worked_ = false;
-    int lit_ = -1;  // the photograph at whose lamp the painting is lit
+    int lit_ = -1;  // the photograph at whose light the painting is lit
 };
 
 }  // namespace tangi

@@ -10,7 +10,7 @@ namespace tangi {
 namespace {
 
 constexpr double kDeadZone = 0.15, kTriggerDeadZone = 0.05;
-constexpr double kTilt_deg_per_s = 90, kLamp_per_s = 1.2;  // radii of the dome, seen from above
+constexpr double kTilt_deg_per_s = 90, kLight_per_s = 1.2;  // radii of the dome, seen from above
 constexpr double kZoom_per_s = 4;
 
 double past_trigger_dead_zone(double value) {
@@ -30,7 +30,7 @@ bool apply_gamepad(const GamepadMoment& now, const GamepadMoment& before, double
                    WindowState& state) {
     bool changed = false;
     const bool compares = state.comparing.on;  // nothing tilts then, and nothing is lit
-    const glm::dvec2 tilt = past_dead_zone(now.left), lamp = past_dead_zone(now.right);
+    const glm::dvec2 tilt = past_dead_zone(now.left), light = past_dead_zone(now.right);
     if (tilt != glm::dvec2(0) && !compares) {
         state.tilt = held(state.tilt);
         const glm::dvec2 wanted =
@@ -38,9 +38,9 @@ bool apply_gamepad(const GamepadMoment& now, const GamepadMoment& before, double
         state.tilt.angle_deg = glm::clamp(wanted, glm::dvec2(-Tilt::kMost_deg), glm::dvec2(Tilt::kMost_deg));
         changed = true;
     }
-    if (lamp != glm::dvec2(0) && !compares) {
-        Angles& light = state.lamps[state.lamp].angles;
-        light = light_at(place_of(light) + kLamp_per_s * seconds * lamp);
+    if (light != glm::dvec2(0) && !compares) {
+        Angles& moved = state.lights[state.light].angles;
+        moved = light_at(place_of(moved) + kLight_per_s * seconds * light);
         state.sweeping = false;
         changed = true;
     }

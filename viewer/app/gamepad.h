@@ -1,4 +1,4 @@
-// gamepad.h: what a gamepad does to the window's state: one stick tilts, the other moves the lamp, triggers
+// gamepad.h: what a gamepad does to the window's state: one stick tilts, the other moves the light, triggers
 // zoom.
 #pragma once
 

@@ -15,9 +15,9 @@ constexpr double kShortestRuler_px = 2;  // [pixels of the painting] a click put
 
 }  // namespace
 
-Placement Hand::placement() const { return placement_of(state_, screen_); }
+Placement InputController::placement() const { return placement_of(state_, screen_); }
 
-StrokePoint Hand::point(const glm::dvec2& at, double time_s) const {
+StrokePoint InputController::point(const glm::dvec2& at, double time_s) const {
     StrokePoint point;
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
     point.x_mm = (at.x - (state_.painting.width - 1) / 2.0) * state_.stroke_mm_per_pixel;
@@ -29,7 +29,7 @@ StrokePoint Hand::point(const glm::dvec2& at, double time_s) const {
 // As the hand holds it over what lies there turned by `turn_deg`, counter-clockwise: the same hand makes the
 // same mark on the screen however the painting is turned. A brush that follows the stroke is turned by it.
 // A mouse has a slider for the pressure, and is held straight.
-void Hand::hold(StrokePoint& point, double turn_deg) const {
+void InputController::hold(StrokePoint& point, double turn_deg) const {
     point.pressure = pen_ ? pen_->pressure : static_cast<double>(state_.pressure);
     const HeldBrush held = held_over(pen_, turn_deg, follows_);
     point.tilt_x = held.tilt.x;
@@ -38,7 +38,7 @@ void Hand::hold(StrokePoint& point, double turn_deg) const {
 }
 
 // [mm] from the middle of the palette.
-StrokePoint Hand::board_point(const InputEvent& event) const {
+StrokePoint InputController::board_point(const InputEvent& event) const {
     const BoardState& board = state_.board;
     const auto& [x0, y0, x1, y1] = board.rect;
     StrokePoint point;
@@ -50,7 +50,7 @@ StrokePoint Hand::board_point(const InputEvent& event) const {
     return point;
 }
 
-void Hand::begin_board_stroke(const InputEvent& event) {
+void InputController::begin_board_stroke(const InputEvent& event) {
     drag_ = Drag::panel;
     if (state_.left_over_strokes > 0 || state_.finishing || event.code != GLFW_MOUSE_BUTTON_LEFT) return;
     drag_ = Drag::board;
@@ -61,7 +61,8 @@ void Hand::begin_board_stroke(const InputEvent& event) {
     painter_.send(PointEvent{board_point(event)});
 }
 
-void Hand::take(const InputEvent& event, Extent screen, double left, bool panels_busy, bool typing) {
+void InputController::take(const InputEvent& event, Extent screen, double left, bool panels_busy,
+                           bool typing) {
     screen_ = screen;
     const auto follow = [&] {
         cursor_ = event.at - glm::dvec2(left, 0);
@@ -129,7 +130,7 @@ void Hand::take(const InputEvent& event, Extent screen, double left, bool panels
 }
 
 // Two fingers: what lies under their middle stays there.
-void Hand::gesture(const InputEvent& event) {
+void InputController::gesture(const InputEvent& event) {
     const double left = state_.canvas_left;
     glm::dvec2 at = event.at - glm::dvec2(left, 0);
     if (at.x < 0 || at.x >= screen_.width || at.y < 0 || at.y >= screen_.height) return;
@@ -138,7 +139,7 @@ void Hand::gesture(const InputEvent& event) {
     state_.view = pinched(state_.view, at - event.by, at, event.factor, event.turn_deg, half);
 }
 
-Hand::Drag Hand::drag_for(const InputEvent& event) const {
+InputController::Drag InputController::drag_for(const InputEvent& event) const {
     if (event.code == GLFW_MOUSE_BUTTON_MIDDLE || space_) return Drag::pan;
     const bool compares = state_.comparing.on;  // nothing tilts then, and nothing is lit or painted
     const bool wipes = state_.comparing.shows() && state_.comparing.way == CompareWay::wipe;
@@ -168,7 +169,7 @@ Hand::Drag Hand::drag_for(const InputEvent& event) const {
     return Drag::panel;
 }
 
-void Hand::press(const InputEvent& event) {
+void InputController::press(const InputEvent& event) {
     last_ = cursor_;
     last_time_s_ = event.time_s;
     drag_ = drag_for(event);
@@ -198,11 +199,11 @@ void Hand::press(const InputEvent& event) {
         if (hit) press_on_mask(event, at);
     }
     if (state_.tool == Tool::sample && event.code == GLFW_MOUSE_BUTTON_LEFT && hit)
-        state_.treating.ask.match_at = at;
+        state_.treatment_state.ask.match_at = at;
     if (drag_ == Drag::paint && !begin_stroke(event, hit ? &at : nullptr)) drag_ = Drag::panel;
 }
 
-bool Hand::begin_stroke(const InputEvent& event, const glm::dvec2* at) {
+bool InputController::begin_stroke(const InputEvent& event, const glm::dvec2* at) {
     if (state_.finishing) return false;
     if (!at || state_.left_over_strokes > 0) {
         if (state_.left_over_strokes > 0)
@@ -215,8 +216,8 @@ bool Hand::begin_stroke(const InputEvent& event, const glm::dvec2* at) {
         state_.message_until_s = event.time_s + 5;
         return false;
     }
-    if (!state_.treating.no_strokes.empty()) {
-        state_.message = state_.treating.no_strokes;
+    if (!state_.treatment_state.no_strokes.empty()) {
+        state_.message = state_.treatment_state.no_strokes;
         state_.message_until_s = event.time_s + 5;
         return false;
     }
@@ -231,7 +232,7 @@ bool Hand::begin_stroke(const InputEvent& event, const glm::dvec2* at) {
 
 // Of the box round the two points, so that no stroke across a corner is missed. A blade as long as the brush
 // is large reaches 0.71 of that on its diagonal.
-bool Hand::brush_may_reach(const StrokePoint& from, const StrokePoint& to) const {
+bool InputController::brush_may_reach(const StrokePoint& from, const StrokePoint& to) const {
     const double reach_mm = 0.75 * beside_->brush.size_mm;
     const auto overlaps = [&](double a_mm, double b_mm, int pixels) {
         const double half_mm = 0.5 * pixels * state_.stroke_mm_per_pixel + reach_mm;
@@ -241,7 +242,7 @@ bool Hand::brush_may_reach(const StrokePoint& from, const StrokePoint& to) const
            overlaps(from.y_mm, to.y_mm, state_.painting.height);
 }
 
-void Hand::add_to_stroke(const StrokePoint& point) {
+void InputController::add_to_stroke(const StrokePoint& point) {
     if (!beside_) {
         painter_.send(PointEvent{point});
         return;
@@ -253,7 +254,7 @@ void Hand::add_to_stroke(const StrokePoint& point) {
     for (const StrokePoint& earlier : std::exchange(points_beside_, {})) painter_.send(PointEvent{earlier});
 }
 
-void Hand::move(const InputEvent& event) {
+void InputController::move(const InputEvent& event) {
     const glm::dvec2 by = cursor_ - last_;
     const double seconds = event.time_s - last_time_s_;
     const double height = std::max(screen_.height, 1);
@@ -267,7 +268,7 @@ void Hand::move(const InputEvent& event) {
         case Drag::light: {
             const double radius = 0.5 * std::min(screen_.width, screen_.height);
             state_.sweeping = false;
-            state_.lamps[state_.lamp].angles = light_at(
+            state_.lights[state_.light].angles = light_at(
                 {(cursor_.x - screen_.width / 2.0) / radius, (screen_.height / 2.0 - cursor_.y) / radius});
             break;
         }
@@ -279,7 +280,7 @@ void Hand::move(const InputEvent& event) {
         case Drag::mask: {
             glm::dvec2 at;
             if (placement().to_painting(cursor_, at))
-                state_.treating.touches.push_back(
+                state_.treatment_state.touches.push_back(
                     {MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
             break;
         }
@@ -320,7 +321,7 @@ void Hand::move(const InputEvent& event) {
 }
 
 // What photographs are held against is lit as they were: nothing else can light it. Says so.
-bool Hand::is_idle(Action action, double time_s) {
+bool InputController::is_idle(Action action, double time_s) {
     constexpr std::array kOfLight = {Action::light_left, Action::light_right, Action::light_up,
                                      Action::light_down, Action::shadows,     Action::illuminant,
                                      Action::loupe};
@@ -331,7 +332,7 @@ bool Hand::is_idle(Action action, double time_s) {
     return true;
 }
 
-void Hand::probe(bool changed) {
+void InputController::probe(bool changed) {
     if (changed) probed_.reset();
     const bool rests = drag_ == Drag::none || drag_ == Drag::panel;
     glm::dvec2 at;
@@ -342,19 +343,19 @@ void Hand::probe(bool changed) {
     probed_ = pixel;
 }
 
-void Hand::put_ruler_away() {
+void InputController::put_ruler_away() {
     state_.ruler.reset();
     state_.profile.reset();
 }
 
-void Hand::end_stroke() {
+void InputController::end_stroke() {
     if (drag_ == Drag::paint || drag_ == Drag::board || drag_ == Drag::mask) let_go();
 }
 
-void Hand::let_go() {
+void InputController::let_go() {
     if ((drag_ == Drag::paint && !beside_) || drag_ == Drag::board) painter_.send(EndEvent{});
     beside_.reset();
-    if (drag_ == Drag::mask) state_.treating.touches.push_back({MaskTouch::Kind::release, {}});
+    if (drag_ == Drag::mask) state_.treatment_state.touches.push_back({MaskTouch::Kind::release, {}});
     if (drag_ == Drag::ruler && state_.ruler) {
         if (glm::length(state_.ruler->second - state_.ruler->first) < kShortestRuler_px)
             put_ruler_away();

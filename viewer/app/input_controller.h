@@ -11,9 +11,9 @@ namespace tangi {
 // With it a click picks paint up, or takes damage away: Ctrl, or Alt where the window manager leaves that.
 inline constexpr int kAnotherWay = 0x0002 | 0x0004;  // GLFW_MOD_CONTROL, GLFW_MOD_ALT
 
-class Hand {
+class InputController {
 public:
-    Hand(WindowState& state, Painter& painter) : state_(state), painter_(painter) {}
+    InputController(WindowState& state, Painter& painter) : state_(state), painter_(painter) {}
 
     // One event. `left`: where the canvas area begins [pixels of the window]; `panels_busy`: the panels take
     // it.

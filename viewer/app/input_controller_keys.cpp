@@ -16,7 +16,7 @@ constexpr double kLightStep_deg = 3, kTurn_deg = 15;
 }  // namespace
 
 // The key that an action is given from now on; Backspace: none.
-void Hand::rebind(const InputEvent& event) {
+void InputController::rebind(const InputEvent& event) {
     if (is_modifier(event.code)) return;  // what comes with it counts
     const Action action = *std::exchange(state_.rebinding, {});
     if (event.code == GLFW_KEY_ESCAPE) return;
@@ -38,14 +38,14 @@ void Hand::rebind(const InputEvent& event) {
     if (loses) state_.message += fmt::format("; no longer: {}", help_of(*loses));
 }
 
-void Hand::key(const InputEvent& event) {
+void InputController::key(const InputEvent& event) {
     if (state_.rebinding) {
         rebind(event);
         return;
     }
     if (state_.tool == Tool::damage && mask_key(event)) return;
     if (event.code == GLFW_KEY_ENTER && event.mods == 0) {
-        if (state_.closing && (state_.painter.unsaved || state_.treating.edits > 0))
+        if (state_.closing && (state_.painter.unsaved || state_.treatment_state.edits > 0))
             state_.ask.save = state_.ask.close = true;
         else if (state_.left_over_strokes > 0)
             (state_.left_over_of_another ? state_.ask.discard : state_.ask.recover) = true;
@@ -68,18 +68,18 @@ void Hand::key(const InputEvent& event) {
     if (!action || is_idle(*action, event.time_s)) return;
     for (const ToolName& tool : kTools)
         if (tool.action == *action &&
-            (state_.treating.on || (tool.tool != Tool::damage && tool.tool != Tool::sample))) {
+            (state_.treatment_state.on || (tool.tool != Tool::damage && tool.tool != Tool::sample))) {
             if (state_.tool != tool.tool) end_stroke();
             state_.tool = tool.tool;
         }
     look_act(*action);
     act(*action);
-    if (*action == Action::treatment || state_.treating.on) treatment_act(*action);
+    if (*action == Action::treatment || state_.treatment_state.on) treatment_act(*action);
 }
 
 // What changes how the painting is seen.
-void Hand::look_act(Action action) {
-    Angles& light = state_.lamps[state_.lamp].angles;
+void InputController::look_act(Action action) {
+    Angles& light = state_.lights[state_.light].angles;
     switch (action) {
         case Action::shadows:
             state_.shadows = !state_.shadows;
@@ -111,7 +111,7 @@ void Hand::look_act(Action action) {
         case Action::compare:
             end_stroke();  // beside a photograph nothing is painted
             if (state_.comparing.pair) {
-                state_.treating.ask.stop_comparing = true;
+                state_.treatment_state.ask.stop_comparing = true;
                 break;
             }
             state_.comparing.on = state_.comparing.loaded && !state_.comparing.on;
@@ -128,7 +128,7 @@ void Hand::look_act(Action action) {
 }
 
 // What is asked of the window and the painter, and the brush.
-void Hand::act(Action action) {
+void InputController::act(Action action) {
     WindowState::Requests& ask = state_.ask;
     switch (action) {
         case Action::fit:
@@ -144,21 +144,21 @@ void Hand::act(Action action) {
             ask.dry = true;
             break;
         case Action::undo:
-            (state_.tool == Tool::damage ? state_.treating.ask.undo : ask.undo) = true;
+            (state_.tool == Tool::damage ? state_.treatment_state.ask.undo : ask.undo) = true;
             break;
         case Action::redo:
-            (state_.tool == Tool::damage ? state_.treating.ask.redo : ask.redo) = true;
+            (state_.tool == Tool::damage ? state_.treatment_state.ask.redo : ask.redo) = true;
             break;
         case Action::brush_smaller:
             if (state_.tool == Tool::damage) {
-                state_.treating.brush_mm = std::max(state_.treating.brush_mm / 1.15f, 0.2f);
+                state_.treatment_state.brush_mm = std::max(state_.treatment_state.brush_mm / 1.15f, 0.2f);
                 break;
             }
             state_.brush.size_mm = std::max(state_.brush.size_mm / 1.15, 0.1);
             break;
         case Action::brush_larger:
             if (state_.tool == Tool::damage) {
-                state_.treating.brush_mm = std::min(state_.treating.brush_mm * 1.15f, 100.0f);
+                state_.treatment_state.brush_mm = std::min(state_.treatment_state.brush_mm * 1.15f, 100.0f);
                 break;
             }
             state_.brush.size_mm = std::min(state_.brush.size_mm * 1.15, 500.0);

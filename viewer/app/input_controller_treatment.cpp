@@ -15,8 +15,8 @@ constexpr double kClose_px = 8;  // of the screen: as near is on a polygon's fir
 }  // namespace
 
 // The brush begins, a corner is set, the wand asked.
-void Hand::press_on_mask(const InputEvent& event, const glm::dvec2& at) {
-    Treating& t = state_.treating;
+void InputController::press_on_mask(const InputEvent& event, const glm::dvec2& at) {
+    TreatmentState& t = state_.treatment_state;
     if (event.code != GLFW_MOUSE_BUTTON_LEFT) return;
     mask_erases_ = t.erase != ((event.mods & kAnotherWay) != 0) || (pen_ && pen_->eraser);
     const Corner corner{at.x + 0.5, at.y + 0.5};  // of pixels, not their middles
@@ -41,16 +41,16 @@ void Hand::press_on_mask(const InputEvent& event, const glm::dvec2& at) {
     }
 }
 
-void Hand::close_polygon(bool erase) {
+void InputController::close_polygon(bool erase) {
     MaskTouch touch{MaskTouch::Kind::polygon, {}, erase};
-    for (const glm::dvec2& corner : std::exchange(state_.treating.polygon, {}))
+    for (const glm::dvec2& corner : std::exchange(state_.treatment_state.polygon, {}))
         touch.polygon.push_back({corner.x + 0.5, corner.y + 0.5});
-    state_.treating.touches.push_back(std::move(touch));
+    state_.treatment_state.touches.push_back(std::move(touch));
 }
 
 // Keys of a polygon under way; true where it was one.
-bool Hand::mask_key(const InputEvent& event) {
-    Treating& t = state_.treating;
+bool InputController::mask_key(const InputEvent& event) {
+    TreatmentState& t = state_.treatment_state;
     if (t.polygon.empty() || event.mods != 0) return false;
     if (event.code == GLFW_KEY_ENTER && t.polygon.size() >= 3)
         close_polygon(t.erase);
@@ -63,9 +63,9 @@ bool Hand::mask_key(const InputEvent& event) {
     return true;
 }
 
-void Hand::treatment_act(Action action) {
-    Treating& t = state_.treating;
-    Treating::Ask& ask = t.ask;
+void InputController::treatment_act(Action action) {
+    TreatmentState& t = state_.treatment_state;
+    TreatmentState::Ask& ask = t.ask;
     switch (action) {
         case Action::treatment:
             ask.begin = !t.on;
@@ -94,12 +94,12 @@ void Hand::treatment_act(Action action) {
             break;
         case Action::next_state:  // before and cleaned are the same here
             if (!t.state)
-                t.state = TreatmentState::before;
-            else if (*t.state == TreatmentState::varnished)
+                t.state = TreatmentStage::before;
+            else if (*t.state == TreatmentStage::varnished)
                 t.state.reset();
             else
-                t.state = std::max(static_cast<TreatmentState>(static_cast<int>(*t.state) + 1),
-                                   TreatmentState::filled);
+                t.state = std::max(static_cast<TreatmentStage>(static_cast<int>(*t.state) + 1),
+                                   TreatmentStage::filled);
             break;
         case Action::compare_states:
             ask.compare_states = true;

@@ -59,10 +59,11 @@ WindowApp::WindowApp(WindowSetup setup, const Progress& progress)
     state_.use_palette(setup.palette);
     if (!setup.brushes.empty()) state_.brushes = setup.brushes;
     const auto wake = [] { glfwPostEmptyEvent(); };
-    desk_.emplace(state_, Desk::Setup{std::move(setup.workshop), setup.palette, setup.settings, wake,
-                                      [this](const std::string& text) { say(text); }});
-    treating_.emplace(state_,
-                      TreatmentDesk::Setup{std::move(setup.author), setup.palette, wake,
+    documents_.emplace(
+        state_, DocumentController::Setup{std::move(setup.workshop), setup.palette, setup.settings, wake,
+                                          [this](const std::string& text) { say(text); }});
+    treatment_state_.emplace(
+        state_, TreatmentController::Setup{std::move(setup.author), setup.palette, wake,
                                            [this](const std::string& text) { say(text); }, setup.settings});
     devices_.emplace(state_, Devices::Setup{.camera = setup.camera,
                                             .wake = wake,
@@ -120,7 +121,7 @@ void WindowApp::say(const std::string& text) {
 void WindowApp::animate(double seconds) {
     if (!hand_->holds()) state_.tilt = advanced(state_.tilt, seconds);
     if (state_.sweeping && !state_.comparing.on) {
-        Angles& light = state_.lamps[state_.lamp].angles;
+        Angles& light = state_.lights[state_.light].angles;
         light.azimuth_deg = std::remainder(light.azimuth_deg + kSweep_deg_per_s * seconds, 360.0);
     }
     Comparing& comparing = state_.comparing;
@@ -200,7 +201,8 @@ void WindowApp::draw_panels(const Placement& place) {
     if (state_.comparing.shows()) panels::held_photo(state_, held_.left(), held_.right(), screen_);
     if (hand_->panels_wanted()) {
         panels::column(state_, static_cast<float>(window_size_.height));
-        if (state_.treating.on) panels::treatment_column(state_, static_cast<float>(window_size_.height));
+        if (state_.treatment_state.on)
+            panels::treatment_column(state_, static_cast<float>(window_size_.height));
     }
     panels::measurements(state_);
     panels::board(state_);
@@ -298,8 +300,8 @@ bool WindowApp::frame() {
     if (resized || !fitted_ || now.width != pane_.width || now.height != pane_.height) resize(screen);
     take_input(std::move(events));
     take_dropped();
-    progress_due_ |= desk_->look();
-    progress_due_ |= treating_->look();
+    progress_due_ |= documents_->look();
+    progress_due_ |= treatment_state_->look();
     if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {
         settle_ = std::max(settle_, 1);
         progress_s_ = now_s_;
@@ -312,10 +314,10 @@ bool WindowApp::frame() {
     news();
     preview_canvas();
     hand_->probe(dirty_);
-    if (auto opened = desk_->opened()) {
+    if (auto opened = documents_->opened()) {
         if (opened->palette) {
             state_.use_palette(*opened->palette);
-            treating_->use_palette(*opened->palette);
+            treatment_state_->use_palette(*opened->palette);
         }
         show(std::move(*opened), false);
     }
@@ -377,8 +379,8 @@ WindowResult WindowApp::run() {
     painter_->hurry(stop_wanted_ && stop_wanted_());
     tally();
     result_.tilt_deg = state_.tilt.angle_deg;
-    result_.light_azimuth_deg = state_.lamps.front().angles.azimuth_deg;
-    result_.light_elevation_deg = state_.lamps.front().angles.elevation_deg;
+    result_.light_azimuth_deg = state_.lights.front().angles.azimuth_deg;
+    result_.light_elevation_deg = state_.lights.front().angles.elevation_deg;
     const UploadedBytes& uploaded = renderer_.uploaded();
     result_.uploaded_bytes = uploaded.changes + uploaded.horizons;
     result_.fetched_bytes = uploaded.tiles;

@@ -25,7 +25,7 @@ struct WindowSetup {
     std::filesystem::path file{};  // what is opened, or where a new canvas is to be saved
     bool file_is_new = false;
     int width = 1280, height = 800;  // [pixels] of the window
-    Workshop workshop{};
+    HostServices workshop{};
     std::filesystem::path photos{};    // a folder of photographs to hold against it at once
     std::optional<Monitor> monitor{};  // its colours; without: as the screen says, else sRGB
     bool monitor_is_srgb = false;      // whatever the screen says

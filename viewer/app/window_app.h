@@ -22,7 +22,7 @@
 #include "viewer/model/substrate_preview.h"
 #include "viewer/model/user_settings.h"
 #include "viewer/panels/file_dialog.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 #include "viewer/video/video_recorder.h"
 
 namespace tangi {
@@ -91,9 +91,9 @@ private:
     Renderer renderer_;
     WindowState state_;
     std::unique_ptr<Painter> painter_;
-    std::optional<Hand> hand_;
-    std::optional<Desk> desk_;
-    std::optional<TreatmentDesk> treating_;
+    std::optional<InputController> hand_;
+    std::optional<DocumentController> documents_;
+    std::optional<TreatmentController> treatment_state_;
     std::optional<panels::FileDialog> dialog_;
     LivePicture picture_;
     HeldPictures held_;

@@ -66,7 +66,7 @@ bool WindowApp::open_first() {
             tiles = std::make_shared<TexelTiles>(overview->surface, range_of(overview->surface));
             mm_per_pixel = overview->surface.mm_per_pixel;
             state_.painting = {overview->width, overview->height};
-            state_.law = overview->surface.law;
+            state_.reflectance_model = overview->surface.reflectance_model;
             renderer_.set_painting(tiles, mm_per_pixel);
             renderer_.set_horizon(no_horizon());
         }
@@ -84,7 +84,7 @@ bool WindowApp::open_first() {
     input_.take();  // it was meant for what was not there
     panel_input_.clear();
     show(std::move(opened), true);
-    if (!photos_.empty()) desk_->hold_photos(photos_, *painter_);
+    if (!photos_.empty()) documents_->hold_photos(photos_, *painter_);
     return true;
 }
 
@@ -136,7 +136,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
         if (result_.unsaved)
             say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
     }
-    treating_->leave();
+    treatment_state_->leave();
     map_.clear();
     // What is to be uploaded is of the painting before.
     changed_.clear();
@@ -150,7 +150,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.mm_per_pixel = surface.mm_per_pixel;
     state_.stroke_mm_per_pixel = painter_->mm_per_pixel();
     state_.scale_known = surface.scale_known || state_.stroke_mm_per_pixel != 1;
-    state_.law = surface.law;
+    state_.reflectance_model = surface.reflectance_model;
     state_.doubts = doubts_of(surface);
     if (!state_.doubts.empty())
         say(fmt::format(
@@ -186,8 +186,8 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     news();
     // The journal of another window is no left-over.
     if (!state_.painter.elsewhere) find_left_over(opened.file);
-    desk_->shows(*painter_);
-    treating_->shows(*painter_);
+    documents_->shows(*painter_);
+    treatment_state_->shows(*painter_);
     fitted_ = ready_to_paint_ = false;
     dirty_ = true;
 }

@@ -27,7 +27,7 @@ std::size_t memory_bytes() {
 void WindowApp::open_when_allowed(const fs::path& file) {
     // Those of another painting stay where they are: it may be that one which is opened.
     const bool asks = state_.left_over_strokes > 0 && !state_.left_over_of_another;
-    if (state_.painter.unsaved || asks || state_.treating.edits > 0) {
+    if (state_.painter.unsaved || asks || state_.treatment_state.edits > 0) {
         if (asks)
             say("first recover or put aside the strokes of the last sitting");
         else
@@ -35,7 +35,7 @@ void WindowApp::open_when_allowed(const fs::path& file) {
         state_.open_next = state_.closing ? file : fs::path();
         return;
     }
-    desk_->open(file);
+    documents_->open(file);
 }
 
 void WindowApp::take_dropped() {
@@ -66,7 +66,7 @@ void WindowApp::take_palette(const fs::path& file) {
     try {
         Palette palette = read_palette(file);
         if (palette.paints.empty()) fail("{}: there are no paints in it", file.string());
-        desk_->use_palette(std::move(palette));
+        documents_->use_palette(std::move(palette));
     } catch (const Error& error) {
         say(error.what());
         return;
@@ -77,14 +77,14 @@ void WindowApp::take_palette(const fs::path& file) {
 // Another painting, once this one is saved, where that was asked for.
 void WindowApp::finish_and_open() {
     if (open_when_saved_) {
-        treating_->keep_now();
+        treatment_state_->keep_now();
         if (!painted_all()) return;
         open_when_saved_ = false;
-        if (state_.painter.unsaved || state_.treating.edits > 0)
+        if (state_.painter.unsaved || state_.treatment_state.edits > 0)
             return;  // it could not be saved: the message says why
     }
     state_.closing = false;
-    desk_->open(std::exchange(state_.open_next, {}));
+    documents_->open(std::exchange(state_.open_next, {}));
 }
 
 // The panel as it begins: beside the painting that is open.
@@ -92,7 +92,7 @@ void WindowApp::choose_canvas(const fs::path& ground) {
     NewCanvas& n = state_.new_canvas;
     n.open = true;
     n.folder = fs::absolute(painter_->file()).parent_path();
-    if (state_.treating.on) n.folder = n.folder.parent_path();  // a treatment's folder is its own
+    if (state_.treatment_state.on) n.folder = n.folder.parent_path();  // a treatment's folder is its own
     n.name = untitled(n.folder).filename().string();
     n.complaint.clear();
     n.choice.keep_as.clear();
@@ -106,13 +106,13 @@ void WindowApp::choose_canvas(const fs::path& ground) {
     settle_ = kFramesAfterwards;
 }
 
-// While it is chosen: the preview under the lamp as it stands.
+// While it is chosen: the preview under the light as it stands.
 void WindowApp::preview_canvas() {
     NewCanvas& n = state_.new_canvas;
     if (!n.open) return;
     if (!preview_) preview_ = std::make_unique<SubstratePreview>([] { glfwPostEmptyEvent(); });
-    const Angles& lamp = state_.lamps[state_.lamp].angles;
-    preview_->want(n.choice, direction_of(lamp.azimuth_deg, lamp.elevation_deg));
+    const Angles& light = state_.lights[state_.light].angles;
+    preview_->want(n.choice, direction_of(light.azimuth_deg, light.elevation_deg));
     std::optional<SubstratePreview::Seen> seen = preview_->fetch();
     if (!seen) return;
     n.complaint = seen->complaint;
@@ -154,7 +154,7 @@ void WindowApp::begin_canvas() {
     n.complaint = file.empty() ? complaint : against_canvas(file);
     if (!n.complaint.empty()) return;
     n.open = false;
-    desk_->make(file, n.choice);
+    documents_->make(file, n.choice);
     open_when_allowed(file);
 }
 
@@ -191,13 +191,13 @@ bool WindowApp::closing() {
     if (!glfwWindowShouldClose(window_.handle())) return false;
     hand_->let_go();  // in mid-stroke: the stroke ends here
     if (close_unsaved_) return true;
-    if (close_when_saved_) treating_->keep_now();
+    if (close_when_saved_) treatment_state_->keep_now();
     if (close_when_saved_ || !state_.closing) {
         if (!painted_all()) return false;
         close_when_saved_ = false;
     }
-    const bool writes = desk_->writes() || recorder_;
-    if (!state_.painter.unsaved && state_.treating.edits == 0 && !writes) return true;
+    const bool writes = documents_->writes() || recorder_;
+    if (!state_.painter.unsaved && state_.treatment_state.edits == 0 && !writes) return true;
     state_.closing = true;  // asks
     glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
     settle_ = kFramesAfterwards;

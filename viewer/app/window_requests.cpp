@@ -20,19 +20,19 @@ constexpr std::size_t kUploadBytes = std::size_t(8) << 20;  // in one frame
 
 // Whether a stroke that is under way has to end before what is asked for: before all but what concerns only
 // how the painting is seen, and what runs beside it.
-bool comes_after_strokes(WindowState::Requests ask, const Treating::Ask& treating) {
+bool comes_after_strokes(WindowState::Requests ask, const TreatmentState::Ask& treatment_state) {
     ask.fit = ask.one_to_one = ask.straighten = ask.snapshot = false;
     ask.stop_job = ask.stop_report = ask.stop_film = ask.keys_changed = ask.usual_keys = false;
     ask.step_photo = 0;
     ask.photo.reset();
-    return ask != WindowState::Requests{} || treating != Treating::Ask{};
+    return ask != WindowState::Requests{} || treatment_state != TreatmentState::Ask{};
 }
 
 }  // namespace
 
 void WindowApp::find_left_over(const std::filesystem::path& file) {
     try {
-        left_over_ = left_over(sitting_files(file));
+        left_over_ = left_over(recovery_files(file));
     } catch (const std::exception& error) {
         say(message_of(error));  // one can look at the painting all the same
     }
@@ -97,12 +97,12 @@ void WindowApp::save(const WindowState::Requests& ask) {
         say("first recover or put aside the strokes of the last sitting");
         return;
     }
-    if (state_.treating.preview) {
+    if (state_.treatment_state.preview) {
         say("first apply the retouch that is previewed, or put it aside");
         return;
     }
-    if (state_.treating.state) {
-        state_.treating.state.reset();
+    if (state_.treatment_state.state) {
+        state_.treatment_state.state.reset();
         painter_->show_as({});
     }
     if (ask.save) painter_->save();
@@ -111,7 +111,7 @@ void WindowApp::save(const WindowState::Requests& ask) {
 
 void WindowApp::news() {
     PainterNews news = painter_->fetch();
-    if (news.state.saves != state_.painter.saves) desk_->remember(painter_->file());
+    if (news.state.saves != state_.painter.saves) documents_->remember(painter_->file());
     state_.painter = news.state;
     if (news.brush_goes_on) state_.board.carried = *news.brush_goes_on ? Carried::taken_up : Carried::nothing;
     const std::string name = title_of(painter_->file());
@@ -135,12 +135,12 @@ void WindowApp::news() {
         renderer_.set_horizon(*news.horizon);
         dirty_ = true;
     }
-    if (const DamageMap* map = treating_->map()) {
-        if (const Region changed = treating_->map_changed(); !changed.empty()) {
+    if (const DamageMap* map = treatment_state_->map()) {
+        if (const Region changed = treatment_state_->map_changed(); !changed.empty()) {
             map_.update(map->picture(), changed);
             settle_ = kFramesAfterwards;
         }
-        state_.treating.map_texture = map_.id();
+        state_.treatment_state.map_texture = map_.id();
     }
     if (news.probe) {
         state_.probe = news.probe;
@@ -154,7 +154,7 @@ void WindowApp::news() {
         else
             say(fmt::format(
                 "no paint of the palette lies there to be picked up{}",
-                state_.treating.on ? "; Match, under Colour, finds a recipe for what is seen" : ""));
+                state_.treatment_state.on ? "; Match, under Colour, finds a recipe for what is seen" : ""));
     }
     for (const std::string& message : news.messages) say(message);
     if (news.needs_name && !dialog_) state_.ask.save_dialog = true;
@@ -182,19 +182,19 @@ void WindowApp::snapshot() {
     }
 }
 
-// This view, while the lamp goes once round.
+// This view, while the light goes once round.
 void WindowApp::begin_film(const std::filesystem::path& out) {
     constexpr double kFilm_s = 8, kPictures_per_s = 25;
     const Placement place = placement();
     film_shot_ = place.shot(1, true);
     film_scenes_.clear();
-    Angles& lamp = state_.lamps[state_.lamp].angles;
-    const Angles before = lamp;
+    Angles& light = state_.lights[state_.light].angles;
+    const Angles before = light;
     for (const Angles& at : sweep_path({before}, static_cast<int>(kFilm_s * kPictures_per_s))) {
-        lamp = at;
+        light = at;
         film_scenes_.push_back(scene_of(state_, place));
     }
-    lamp = before;
+    light = before;
     film_name_ = out.filename().string();
     recorder_ = std::make_unique<Recorder>(out, kPictures_per_s, static_cast<int>(film_scenes_.size()),
                                            [] { glfwPostEmptyEvent(); });
@@ -235,21 +235,21 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
     };
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
     using Requests = WindowState::Requests;
-    const Treating::Ask& treating = state_.treating.ask;
+    const TreatmentState::Ask& treatment_state = state_.treatment_state.ask;
     const auto choose_for_treatment = [&](const char* title, FileDialog::Wants wants, const char* ending,
                                           const std::filesystem::path& start,
-                                          std::filesystem::path Treating::Ask::*where) {
+                                          std::filesystem::path TreatmentState::Ask::*where) {
         dialog_.emplace(title, wants, ending, start, [this, where](const std::filesystem::path& path) {
-            state_.treating.ask.*where = path;
+            state_.treatment_state.ask.*where = path;
         });
     };
-    if (treating.open_dialog)
+    if (treatment_state.open_dialog)
         choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here,
-                             &Treating::Ask::open);
-    if (treating.report_dialog)
+                             &TreatmentState::Ask::open);
+    if (treatment_state.report_dialog)
         choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html .pdf",
                              here.parent_path() / (here.stem().string() + "-treatment.html"),
-                             &Treating::Ask::report);
+                             &TreatmentState::Ask::report);
     if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
     if (ask.save_dialog)
         choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);
@@ -282,7 +282,7 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
         choose("A height map", FileDialog::Wants::file, here, &Requests::height_from,
                ".png .jpg .jpeg .tif .tiff .exr");
     if (ask.film_dialog)
-        choose("A film of the lamp going round", FileDialog::Wants::new_file,
+        choose("A film of the light going round", FileDialog::Wants::new_file,
                here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4 .webm");
     if (ask.report_dialog)
         choose("A folder for the report", FileDialog::Wants::new_folder, here, &Requests::report);
@@ -310,10 +310,10 @@ void WindowApp::requests() {
 }
 
 void WindowApp::do_requests(const WindowState::Requests& ask) {
-    if (comes_after_strokes(ask, state_.treating.ask)) hand_->end_stroke();
+    if (comes_after_strokes(ask, state_.treatment_state.ask)) hand_->end_stroke();
     dialogs(ask);
-    desk_->take(ask, *painter_);
-    treating_->take();
+    documents_->take(ask, *painter_);
+    treatment_state_->take();
     if (!ask.open.empty()) open_when_allowed(ask.open);
     if (!ask.palette.empty()) take_palette(ask.palette);
     canvas_requests(ask);
@@ -325,7 +325,8 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
         state_.tilt = sent_back(state_.tilt);
         state_.view = turned(state_.view, -state_.view.turn_deg);
     }
-    const bool other = state_.treating.state || state_.treating.preview;  // than the painting is seen
+    const bool other =
+        state_.treatment_state.state || state_.treatment_state.preview;  // than the painting is seen
     const bool blocked = state_.left_over_strokes > 0 || other || state_.finishing;
     // Whether there is something to undo the painter knows: what is seen of it may be a frame old.
     if (ask.undo && !blocked) painter_->send(UndoEvent{});
@@ -339,8 +340,8 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
     }
     if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
     if (!blocked) board_requests(ask);
-    if (ask.recover && left_over_ && !state_.treating.no_strokes.empty()) {
-        say(state_.treating.no_strokes);
+    if (ask.recover && left_over_ && !state_.treatment_state.no_strokes.empty()) {
+        say(state_.treatment_state.no_strokes);
     } else if (ask.recover && left_over_) {
         painter_->recover(std::move(*left_over_));
         left_over_.reset();
@@ -356,7 +357,7 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
     if (ask.stop_film && recorder_) recorder_->stop();
     save(ask);
     if (ask.stay) {
-        desk_->use_palette(state_.palette);  // if another one was to come with opening it again
+        documents_->use_palette(state_.palette);  // if another one was to come with opening it again
         glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
         close_when_saved_ = open_when_saved_ = state_.closing = false;
         state_.open_next.clear();

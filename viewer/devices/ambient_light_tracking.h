@@ -9,8 +9,8 @@
 namespace tangi {
 
 // The brightest direction in a camera's picture [luminance, linear, any scale; some 64 pixels wide will do],
-// blurred by a tenth of its width: the middle of what is within 5 % of the maximum, since a window or lamp is
-// clipped as a whole. Nothing where the picture is dark, or evenly bright: then no direction stands out.
+// blurred by a tenth of its width: the middle of what is within 5 % of the maximum, since a window or light
+// is clipped as a whole. Nothing where the picture is dark, or evenly bright: then no direction stands out.
 std::optional<Vec3> brightest_direction(const Image<float>& luminance,
                                         double camera_width_deg = kCameraWidth_deg);
 

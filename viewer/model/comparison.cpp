@@ -171,18 +171,18 @@ void Comparison::hold(int index, std::unique_lock<std::mutex>& lock) {
     if (held && index == news_.wanted) news_.held = std::move(held);
     if (!broken.empty()) {
         news_.broken[index] = broken;
-        news_.messages.push_back("left out: " + broken);
+        news_.messages.push_back("rejected: " + broken);
     }
     wake_();
 }
 
 void Comparison::report_to(const std::filesystem::path& folder, std::unique_lock<std::mutex>& lock) {
-    std::vector<int> left_out;
-    for (const auto& [index, why] : news_.broken) left_out.push_back(index);
+    std::vector<int> rejected;
+    for (const auto& [index, why] : news_.broken) rejected.push_back(index);
     lock.unlock();
     std::string message;
     try {
-        book_->write_report(folder, left_out, progress([this] { return stop_ || stop_report_; }));
+        book_->write_report(folder, rejected, progress([this] { return stop_ || stop_report_; }));
         message = "wrote " + (folder / "compare.html").string();
     } catch (const std::exception& error) {
         message = message_of(error);

@@ -18,7 +18,7 @@ bool is_there(const fs::path& file) {
     return fs::exists(file, unknown);
 }
 
-// Beside the painting's file, wherever links lead to it. Only .exr is left out: x.EXR is another painting
+// Beside the painting's file, wherever links lead to it. Only .exr is rejected: x.EXR is another painting
 // than x.exr.
 fs::path beside(const fs::path& painting, const std::string& ending) {
     fs::path path = where_links_lead(painting);
@@ -27,7 +27,7 @@ fs::path beside(const fs::path& painting, const std::string& ending) {
 }
 
 // A name beside the painting that is free: x.discarded.jsonl, x.discarded-2.jsonl.
-fs::path free_name(const SittingFiles& files, std::string_view why) {
+fs::path free_name(const RecoveryFiles& files, std::string_view why) {
     for (int i = 1;; ++i) {
         fs::path kept = beside(files.painting,
                                i == 1 ? fmt::format(".{}.jsonl", why) : fmt::format(".{}-{}.jsonl", why, i));
@@ -36,7 +36,7 @@ fs::path free_name(const SittingFiles& files, std::string_view why) {
 }
 
 // The new name; empty where there was nothing.
-std::string put_aside(const SittingFiles& files, std::string_view why) {
+std::string put_aside(const RecoveryFiles& files, std::string_view why) {
     if (!is_there(files.unsaved)) return {};
     const fs::path kept = free_name(files, why);
     std::error_code failed;
@@ -65,7 +65,7 @@ bool holds_no_work(const Journal& journal) {
     return std::ranges::all_of(journal.entries, [](const auto& entry) { return is_setting(entry.event); });
 }
 
-void add_file(OutputSet& set, SittingRecord::Files& files, const fs::path& path,
+void add_file(OutputSet& set, RecoveryRecord::Files& files, const fs::path& path,
               const std::function<void(AtomicFile&)>& fill) {
     auto file = std::make_unique<AtomicFile>(path);
     fill(*file);
@@ -74,18 +74,18 @@ void add_file(OutputSet& set, SittingRecord::Files& files, const fs::path& path,
 }
 
 // What is at `from` stays, under a name that is free.
-void add_kept(OutputSet& set, SittingRecord::Files& files, const SittingFiles& beside, const fs::path& from,
+void add_kept(OutputSet& set, RecoveryRecord::Files& files, const RecoveryFiles& beside, const fs::path& from,
               std::string_view why) {
     add_file(set, files, free_name(beside, why), [&](AtomicFile& file) { file.copy_from(from); });
 }
 
 }  // namespace
 
-SittingFiles sitting_files(const fs::path& painting) {
+RecoveryFiles recovery_files(const fs::path& painting) {
     return {painting, beside(painting, ".unsaved.jsonl"), beside(painting, ".strokes.jsonl")};
 }
 
-std::optional<Journal> left_over(const SittingFiles& files) {
+std::optional<Journal> left_over(const RecoveryFiles& files) {
     if (!is_there(files.unsaved)) return {};
     Journal journal = recovered_journal(files.unsaved);
     if (journal.entries.empty() && journal.lines_lost > 0)
@@ -99,7 +99,7 @@ bool is_of(const Journal& journal, const std::string& painting) {
     return journal.head.on.empty() || journal.head.on == painting;
 }
 
-void SittingRecord::painting_is(std::string hash, bool bare) {
+void RecoveryRecord::painting_is(std::string hash, bool bare) {
     bare_ = bare;
     if (std::exchange(on_, std::move(hash)) == on_ || !ours_) return;
     // What is recorded is of the painting as it is now: as of a palette on which something was mixed before
@@ -109,18 +109,18 @@ void SittingRecord::painting_is(std::string hash, bool bare) {
     waiting_.clear();
 }
 
-void SittingRecord::append(const Event& event) {
+void RecoveryRecord::append(const Event& event) {
     lines_ += journal_line(event);
     waiting_.push_back(event);
     write_waiting();
 }
 
-void SittingRecord::sync() {
+void RecoveryRecord::sync() {
     write_waiting();
     if (writer_) writer_->sync();
 }
 
-void SittingRecord::write_waiting() {
+void RecoveryRecord::write_waiting() {
     if (waiting_.empty()) return;
     if (!writer_) begin();
     while (!waiting_.empty()) {
@@ -129,7 +129,7 @@ void SittingRecord::write_waiting() {
     }
 }
 
-void SittingRecord::begin() {
+void RecoveryRecord::begin() {
     std::error_code unknown;
     if (!ours_ && fs::is_regular_file(files_.unsaved, unknown)) put_older_away();
     writer_ = std::make_unique<JournalWriter>(files_.unsaved, JournalHead{on_, {}});
@@ -138,7 +138,7 @@ void SittingRecord::begin() {
 
 // What lies there is not on the canvas: it must neither be recovered together with what follows, nor become a
 // part of the record.
-void SittingRecord::put_older_away() {
+void RecoveryRecord::put_older_away() {
     std::optional<Journal> older;
     try {
         older = recovered_journal(files_.unsaved);
@@ -155,7 +155,7 @@ void SittingRecord::put_older_away() {
         of_another ? "holds strokes of another painting than lies here now" : "was not recovered", kept);
 }
 
-void SittingRecord::take_over(std::span<const Journal::Entry> events, bool all_of_it) {
+void RecoveryRecord::take_over(std::span<const Journal::Entry> events, bool all_of_it) {
     writer_.reset();
     ours_ = all_of_it;
     lines_.clear();
@@ -170,7 +170,7 @@ void SittingRecord::take_over(std::span<const Journal::Entry> events, bool all_o
 
 // The events of the painting's record, and what it begins with. None where it is of another painting, cannot
 // be read, or is not there.
-std::string SittingRecord::record_so_far(JournalHead& head) const {
+std::string RecoveryRecord::record_so_far(JournalHead& head) const {
     head = {on_, {}};
     if (!is_there(files_.record)) return {};
     std::string text = read_text_file(files_.record);
@@ -188,7 +188,7 @@ std::string SittingRecord::record_so_far(JournalHead& head) const {
 }
 
 // The journal at another name: the painting that had it is overwritten, but its strokes may be wanted.
-void SittingRecord::add_unsaved_of(OutputSet& set, Files& files, const SittingFiles& to) const {
+void RecoveryRecord::add_unsaved_of(OutputSet& set, Files& files, const RecoveryFiles& to) const {
     std::error_code unknown;
     if (!fs::is_regular_file(to.unsaved, unknown)) return;
     if (to.painting != files_.painting) add_kept(set, files, to, to.unsaved, "discarded");
@@ -196,8 +196,8 @@ void SittingRecord::add_unsaved_of(OutputSet& set, Files& files, const SittingFi
         set.withdraw(to.unsaved.parent_path(), to.unsaved.filename());
 }
 
-SittingRecord::Files SittingRecord::add_to(OutputSet& set, const SittingFiles& to,
-                                           const std::string& makes) const {
+RecoveryRecord::Files RecoveryRecord::add_to(OutputSet& set, const RecoveryFiles& to,
+                                             const std::string& makes) const {
     Files files;
     const bool in_place = to.painting == files_.painting;
     if (in_place && lines_.empty()) return files;
@@ -215,29 +215,29 @@ SittingRecord::Files SittingRecord::add_to(OutputSet& set, const SittingFiles& t
     return files;
 }
 
-void SittingRecord::saved_as(const SittingFiles& files, std::string makes) {
-    const SittingFiles left = std::exchange(files_, files);
+void RecoveryRecord::saved_as(const RecoveryFiles& files, std::string makes) {
+    const RecoveryFiles left = std::exchange(files_, files);
     if (ours_ && left.unsaved != files.unsaved) remove_if_possible(left.unsaved);
     forget();
     on_ = std::move(makes);
     bare_ = false;
 }
 
-void SittingRecord::put_away() {
+void RecoveryRecord::put_away() {
     OutputSet set;
     const Files files = add_to(set, files_, on_);
     set.commit();
     forget();
 }
 
-void SittingRecord::forget() {
+void RecoveryRecord::forget() {
     writer_.reset();
     ours_ = false;
     lines_.clear();
     waiting_.clear();
 }
 
-void SittingRecord::discard() {
+void RecoveryRecord::discard() {
     forget();
     (void)put_aside(files_, "discarded");
 }

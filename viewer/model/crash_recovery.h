@@ -17,24 +17,24 @@
 
 namespace tangi {
 
-struct SittingFiles {
+struct RecoveryFiles {
     std::filesystem::path painting, unsaved, record;
 };
-SittingFiles sitting_files(const std::filesystem::path& painting);
+RecoveryFiles recovery_files(const std::filesystem::path& painting);
 
 // Strokes that were not saved: the journal is there and holds events. One of an earlier version, which does
 // not say what it is of, counts only where it is not older than the painting. Of a damaged one, all that can
 // be read (recovered_journal()). Throws Error where nothing in it can.
-std::optional<Journal> left_over(const SittingFiles& files);
+std::optional<Journal> left_over(const RecoveryFiles& files);
 
 // Whether a journal goes on from this painting (hash_of(Canvas)), as far as it says.
 bool is_of(const Journal& journal, const std::string& painting);
 
-class SittingRecord {
+class RecoveryRecord {
 public:
-    explicit SittingRecord(SittingFiles files) : files_(std::move(files)) {}
+    explicit RecoveryRecord(RecoveryFiles files) : files_(std::move(files)) {}
 
-    const SittingFiles& files() const { return files_; }
+    const RecoveryFiles& files() const { return files_; }
     // What is in the painting's file from now on (hash_of(Canvas)), and whether it was never painted on: what
     // is recorded goes on from it. Throws Error where what is recorded already cannot be written anew.
     void painting_is(std::string hash, bool bare = false);
@@ -58,9 +58,9 @@ public:
     // Adds to the set what goes with saving as `to`, where the painting is then what `makes` says: its
     // record, whole, and the journals that are no more. A record or journal there of another painting is kept
     // under another name. Throws Error where a file cannot be written.
-    Files add_to(OutputSet& set, const SittingFiles& to, const std::string& makes) const;
+    Files add_to(OutputSet& set, const RecoveryFiles& to, const std::string& makes) const;
     // The set is in place: what is recorded from now on is of this painting.
-    void saved_as(const SittingFiles& files, std::string makes);
+    void saved_as(const RecoveryFiles& files, std::string makes);
     // All that was done was undone: to the record, whose painting stays as it is.
     void put_away();
     // It is kept elsewhere, and its journal is gone with that.
@@ -75,9 +75,9 @@ private:
     void begin();
     void put_older_away();
     std::string record_so_far(JournalHead& head) const;
-    void add_unsaved_of(OutputSet& set, Files& files, const SittingFiles& to) const;
+    void add_unsaved_of(OutputSet& set, Files& files, const RecoveryFiles& to) const;
 
-    SittingFiles files_;
+    RecoveryFiles files_;
     std::string on_;  // the painting in the file
     bool bare_ = false;
     std::unique_ptr<JournalWriter> writer_;

@@ -16,7 +16,7 @@
 namespace tangi {
 
 // Called on threads of their own; where one is empty, the window does not offer it.
-struct Workshop {
+struct HostServices {
     // The photographs of a folder, to be held against the painting in `file`, whose dry layer is `dry`.
     // Throws Error, Cancelled.
     std::function<std::unique_ptr<PhotoBook>(const std::filesystem::path& folder,

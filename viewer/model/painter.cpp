@@ -32,7 +32,7 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
       dry_(session_.canvas().dry_shared()),
       dry_hash_(hash_of(*dry_)),
       mm_per_pixel_(session_.canvas().mm_per_pixel()),
-      record_(sitting_files(setup.file)),
+      record_(recovery_files(setup.file)),
       stamp_(setup.stamp ? setup.stamp : stamp_of(setup.file)),
       file_is_new_(setup.file_is_new),
       file_(setup.file),

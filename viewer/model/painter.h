@@ -156,7 +156,7 @@ public:
         std::string said;
         bool done = true;
     };
-    using Keep = std::function<Kept(Canvas& canvas, const ToKeep& sitting)>;
+    using Keep = std::function<Kept(Canvas& canvas, const ToKeep& recovery)>;
     void keep_by(Keep keep);
 
     PainterNews fetch();
@@ -213,7 +213,7 @@ private:
     std::shared_ptr<TexelTiles> tiles_;
     TexelRange range_;
     double mm_per_pixel_;
-    SittingRecord record_;
+    RecoveryRecord record_;
     PaintingClaim claim_;
     std::optional<FileStamp> stamp_;  // of the painting's file, as it was read or written last
     EventOrder order_;                // of what was sent

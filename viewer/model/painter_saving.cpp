@@ -175,8 +175,8 @@ void Painter::write_files(const std::filesystem::path& to) {
     std::string makes = hash_of(session_.canvas(), dry_hash_);
     OutputSet set;
     set.add(file);
-    const SittingFiles files = sitting_files(to);
-    const SittingRecord::Files kept = record_.add_to(set, files, makes);
+    const RecoveryFiles files = recovery_files(to);
+    const RecoveryRecord::Files kept = record_.add_to(set, files, makes);
     set.commit();
     // From here on it is saved, and has this name.
     saved_hash_ = makes;

@@ -17,8 +17,8 @@ namespace {
 constexpr float kAround = 0.15f;  // part of the light that comes from all around
 
 // [sRGB, 0..1]
-Rgb seen(const Surface& surface, int x, int y, const Vec3& lamp) {
-    const Rgb lit = reflected(surface, x, y, lamp, {0, 0, 1}, WardModel::bounded);
+Rgb seen(const Surface& surface, int x, int y, const Vec3& light) {
+    const Rgb lit = reflected(surface, x, y, light, {0, 0, 1}, WardModel::bounded);
     return glm::clamp(Transfer{Transfer::Kind::srgb}.encode(lit + kAround * surface.diffuse(x, y)), 0.0f,
                       1.0f);
 }
@@ -40,7 +40,7 @@ Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts, Il
     return glm::clamp(colour, 0.0f, 1.0f);
 }
 
-BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& lamp) {
+BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& light) {
     BoardPatch patch{board.width(), board.height(), region, {}};
     const auto width = static_cast<std::size_t>(region.width());
     patch.srgb.resize(width * static_cast<std::size_t>(region.height()));
@@ -49,7 +49,7 @@ BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& l
             for (int x = region.x0; x < region.x1; ++x)
                 patch.srgb[static_cast<std::size_t>(y - region.y0) * width +
                            static_cast<std::size_t>(x - region.x0)] =
-                    glm::u8vec3(glm::round(255.0f * seen(board, x, y, lamp)));
+                    glm::u8vec3(glm::round(255.0f * seen(board, x, y, light)));
     });
     return patch;
 }
@@ -59,14 +59,14 @@ std::vector<Rgb> gloss_strip(const Rgb& diffuse, double specular, double roughne
     std::vector<Rgb> colours;
     for (int i = 0; i < count; ++i) {
         const double angle = (2.0 * (i + 0.5) / count - 1) * 60 * std::numbers::pi / 180;
-        // Bent towards the lamp and away from it.
+        // Bent towards the light and away from it.
         strip.normal(i, 0) = {static_cast<float>(std::sin(angle) / std::numbers::sqrt2),
                               static_cast<float>(-std::sin(angle) / std::numbers::sqrt2),
                               static_cast<float>(std::cos(angle))};
         strip.diffuse(i, 0) = diffuse;
         strip.specular(i, 0) = static_cast<float>(specular);
         strip.roughness(i, 0) = static_cast<float>(roughness);
-        colours.push_back(seen(strip, i, 0, kBoardLamp));
+        colours.push_back(seen(strip, i, 0, kBoardLight));
     }
     return colours;
 }

@@ -17,17 +17,17 @@ struct BoardPatch {
     std::vector<glm::u8vec3> srgb;
 };
 
-// Where the lamp stands over the palette: at the upper left, 50 degrees high.
-inline const Vec3 kBoardLamp = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
+// Where the light stands over the palette: at the upper left, 50 degrees high.
+inline const Vec3 kBoardLight = glm::normalize(Vec3(-0.45f, 0.45f, 0.76f));
 
-// Lit by a far lamp, and a little from all around, seen from straight ahead.
-BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& lamp = kBoardLamp);
+// Lit by a far light, and a little from all around, seen from straight ahead.
+BoardPatch board_patch(const Surface& board, const Region& region, const Vec3& light = kBoardLight);
 
 // Linear Rec. 709 of a mixture of these paints, 1 mm thick.
 Rgb thick_film(std::span<const Pigment> paints, std::span<const float> parts,
                Illuminant illuminant = Illuminant::d65);
 
-// A strip of a bent film of this paint under that lamp, sRGB: how it shines.
+// A strip of a bent film of this paint under that light, sRGB: how it shines.
 std::vector<Rgb> gloss_strip(const Rgb& diffuse, double specular, double roughness, int count);
 
 }  // namespace tangi

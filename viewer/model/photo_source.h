@@ -15,13 +15,13 @@
 
 namespace tangi {
 
-// How alike a photograph and the painting relit at its lamp are, over some pixels; as compare() measures it.
+// How alike a photograph and the painting relit at its light are, over some pixels; as compare() measures it.
 struct Likeness {
     std::size_t pixels = 0;  // that were compared; without any, the rest means nothing
     double psnr_db = 0, ssim = 0, delta_e_2000 = 0, delta_e_2000_p95 = 0;
 };
 
-// A photograph beside the painting relit at its lamp; all pictures 8-bit sRGB, of one size.
+// A photograph beside the painting relit at its light; all pictures 8-bit sRGB, of one size.
 struct HeldPhoto {
     using Picture = Image<glm::u8vec3>;
 
@@ -57,9 +57,9 @@ public:
     // Reads a photograph, relights the painting, measures. Throws Error where it cannot be read; Cancelled.
     virtual HeldPhoto hold(int index, const Progress& progress) const = 0;
 
-    // What `compare` writes, into a folder: compare.html, compare.json, pictures. The photographs `left_out`,
+    // What `compare` writes, into a folder: compare.html, compare.json, pictures. The photographs `rejected`,
     // by their indices, are not in it. Throws Error, Cancelled.
-    virtual void write_report(const std::filesystem::path& folder, const std::vector<int>& left_out,
+    virtual void write_report(const std::filesystem::path& folder, const std::vector<int>& rejected,
                               const Progress& progress) const = 0;
 };
 

@@ -122,7 +122,7 @@ const std::vector<Shortcut>& shortcuts() {
         {save, "save", "Ctrl+S", "save"},
         {save_as, "save-as", "Ctrl+Shift+S", "save under another name"},
         {snapshot, "snapshot", "F12", "snapshot"},
-        {film, "film", "Shift+F12", "film of the lamp going round"},
+        {film, "film", "Shift+F12", "film of the light going round"},
         {panels, "panels", "Tab", "hide the panels"},
         {help, "help", "F1", "keys"},
         {close, "close", "Ctrl+Q", "close"}};

@@ -61,7 +61,7 @@ SubstratePreview::Seen SubstratePreview::seen(const Wanted& wanted, std::shared_
         if (!base || base->of != of) base = std::make_shared<Base>(made(wanted.choice, of));
         Surface piece = base->piece;
         apply(wanted.choice.finish, piece);
-        const BoardPatch patch = board_patch(piece, piece.height_mm.region(), wanted.lamp);
+        const BoardPatch patch = board_patch(piece, piece.height_mm.region(), wanted.light);
         result.picture = Image<glm::u8vec4>(piece.width(), piece.height());
         for (std::size_t i = 0; i < patch.srgb.size(); ++i)
             result.picture.pixels()[i] = glm::u8vec4(patch.srgb[i], 255);
@@ -83,13 +83,13 @@ void SubstratePreview::start() {
     });
 }
 
-void SubstratePreview::want(const SubstrateChoice& choice, const Vec3& lamp) {
+void SubstratePreview::want(const SubstrateChoice& choice, const Vec3& light) {
     const SubstrateFinish& f = choice.finish;
     std::string of =
         fmt::format("{}\n{} {} {} {} {}\n{} {} {}", base_of(choice), f.tint.r, f.tint.g, f.tint.b,
-                    f.specular.value_or(-1), f.roughness.value_or(-1), lamp.x, lamp.y, lamp.z);
+                    f.specular.value_or(-1), f.roughness.value_or(-1), light.x, light.y, light.z);
     if (of == wanted_.of) return;
-    wanted_ = {choice, lamp, std::move(of)};
+    wanted_ = {choice, light, std::move(of)};
     if (!work_.valid()) start();
 }
 

@@ -22,8 +22,8 @@ public:
     explicit SubstratePreview(std::function<void()> wake) : wake_(std::move(wake)) {}
     ~SubstratePreview();  // waits for the one that is being made
 
-    // This one from now on, under a far lamp in this direction; what else was wanted is forgotten.
-    void want(const SubstrateChoice& choice, const Vec3& lamp);
+    // This one from now on, under a far light in this direction; what else was wanted is forgotten.
+    void want(const SubstrateChoice& choice, const Vec3& light);
     void again() { wanted_.of.clear(); }  // what is wanted next is made, also where it is what was shown last
 
     struct Seen {
@@ -34,14 +34,14 @@ public:
     std::optional<Seen> fetch();  // what was made since the last call
 
 private:
-    struct Base {  // without finish and lamp
+    struct Base {  // without finish and light
         std::string of;
         Surface piece;
         Extent size{};
     };
     struct Wanted {
         SubstrateChoice choice;
-        Vec3 lamp{0};
+        Vec3 light{0};
         std::string of;
     };
     Base made(const SubstrateChoice& choice, const std::string& of) const;

@@ -100,7 +100,7 @@ struct ShownRetouch {
     bool stale = false;       // they have been changed since
 };
 
-struct Treating {
+struct TreatmentState {
     bool on = false;      // the painting is one under treatment
     bool usable = false;  // and was found to be as its log says
     bool checking = false;
@@ -155,13 +155,13 @@ struct Treating {
     bool layers_moved = false;   // since the panel drew them last
     double layers_moved_s = -1;  // when that was, by the panel's clock
     NextUndo next_undo;
-    std::optional<TreatmentState> state;  // that is shown instead of what is there now
-    std::optional<TreatmentState> left = TreatmentState::before, right;  // held against each other; or now
+    std::optional<TreatmentStage> state;  // that is shown instead of what is there now
+    std::optional<TreatmentStage> left = TreatmentStage::before, right;  // held against each other; or now
     bool additions = false;                                              // in false colour
     float distance_m = 2;
 
     // Colour.
-    std::array<bool, kIlluminants> lamps = {true, false, true, true, false};  // that count
+    std::array<bool, kIlluminants> illuminants = {true, false, true, true, false};  // that count
     int most_paints = 4;
     bool film = true;  // as thin as the retouch, over what lies there; else one that hides
     bool avoid_pairs = false;
@@ -196,6 +196,6 @@ struct Treating {
 // As people read them: "Loss to ground".
 const char* title_of(DamageClass damage);
 const char* title_of(LayerRole role);
-const char* title_of(TreatmentState state);
+const char* title_of(TreatmentStage state);
 
 }  // namespace tangi

@@ -43,12 +43,12 @@ void WindowState::use_palette(Palette other) {
     if (mix.empty() && !palette.paints.empty()) mix[palette.paints.front().name] = 1;
 }
 
-void WindowState::see_in(Illuminant light) {
-    illuminant = light;
+void WindowState::see_in(Illuminant lit_by) {
+    illuminant = lit_by;
     paint_colours.clear();
     for (const Pigment& paint : palette.paints)
-        paint_colours.push_back(
-            Transfer{Transfer::Kind::srgb}.encode(thick_film(std::span(&paint, 1), std::array{1.0f}, light)));
+        paint_colours.push_back(Transfer{Transfer::Kind::srgb}.encode(
+            thick_film(std::span(&paint, 1), std::array{1.0f}, lit_by)));
 }
 
 void WindowState::use_brush(const std::string& name) {
@@ -163,18 +163,18 @@ Placement placement_of(const WindowState& state, Extent screen) {
 
 Scene scene_of(const WindowState& state, const Placement& placement) {
     Scene scene;
-    for (const Lamp& lamp : state.lamps) {
-        if (!lamp.on || scene.lights.size() == kMostLights) continue;
+    for (const ViewLight& seen : state.lights) {
+        if (!seen.on || scene.lights.size() == kMostLights) continue;
         const Vec3 direction =
-            placement.in_surface(direction_of(lamp.angles.azimuth_deg, lamp.angles.elevation_deg));
+            placement.in_surface(direction_of(seen.angles.azimuth_deg, seen.angles.elevation_deg));
         Light light = distant_light(direction);
-        if (lamp.near)
+        if (seen.near)
             light = near_light(direction *
-                               static_cast<float>(lamp.distance * state.painting.width * state.mm_per_pixel));
-        light.gain = Rgb(lamp.gain);
+                               static_cast<float>(seen.distance * state.painting.width * state.mm_per_pixel));
+        light.gain = Rgb(seen.gain);
         scene.lights.push_back(light);
     }
-    scene.law = state.law;
+    scene.reflectance_model = state.reflectance_model;
     scene.model = state.model;
     scene.shadows = state.shadows ? Shadows::horizon : Shadows::none;
     scene.light_radius_deg = state.light_radius_deg;
@@ -183,8 +183,8 @@ Scene scene_of(const WindowState& state, const Placement& placement) {
     scene.shoulder = state.shoulder;
     scene.mode = state.mode;
     scene.strength =
-        state.mode == LookMode::specular_enhancement ? std::min(state.strength, 1.0f) : 3 * state.strength;
-    scene.sharpness = state.mode == LookMode::unsharp_normals ? 3 : state.sharpness;
+        state.mode == ViewMode::specular_enhancement ? std::min(state.strength, 1.0f) : 3 * state.strength;
+    scene.sharpness = state.mode == ViewMode::unsharp_normals ? 3 : state.sharpness;
     scene.lowest_mm = state.lowest_mm;
     scene.highest_mm = state.highest_mm;
     scene.most_curvature = state.most_curvature;

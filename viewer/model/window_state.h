@@ -56,7 +56,7 @@ inline constexpr std::array<LightName, kIlluminants> kLights = {
 const char* light_named(Illuminant illuminant);
 Illuminant light_after(Illuminant illuminant);
 
-struct Lamp {
+struct ViewLight {
     Angles angles{135, 50};
     float gain = 1;
     bool on = true;
@@ -100,7 +100,7 @@ struct Comparing {
     std::optional<HeldPair> pair;  // held up instead of photographs
 
     const std::shared_ptr<const HeldPhoto>& held() const { return pair ? pair->pictures : news.held; }
-    // A photograph is on the screen, instead of the painting under its lamps.
+    // A photograph is on the screen, instead of the painting under its lights.
     bool shows() const { return on && held(); }
     bool aside() const { return shows() && way == CompareWay::aside; }
 };
@@ -174,7 +174,7 @@ struct WindowState {
     double stroke_mm_per_pixel = 1;  // of strokes and brushes, and all that is told: a scale can be given
     bool scale_known = false;        // the painting's own, or given
     double height_unit_mm() const { return stroke_mm_per_pixel / mm_per_pixel; }
-    ReflectanceLaw law{};
+    ReflectanceModel reflectance_model{};
     float lowest_mm = 0, highest_mm = 1;
     bool from_photographs = false;  // and so can be compared with them
 
@@ -184,14 +184,14 @@ struct WindowState {
     bool flat = false;
     Vec3 viewer{0, 0, 1};  // direction from the middle of the screen, for gloss
     Following follow;
-    Illuminant illuminant = Illuminant::d65;  // the colour of all lamps
-    std::vector<Lamp> lamps{Lamp{}};
-    std::size_t lamp = 0;  // that is moved
+    Illuminant illuminant = Illuminant::d65;  // the colour of all lights
+    std::vector<ViewLight> lights{ViewLight{}};
+    std::size_t light = 0;  // that is moved
     bool sweeping = false;
     float ambient = 0.03f, exposure_stops = 0, shoulder = 0.15f, light_radius_deg = 1.5f;
     bool shadows = true;
     WardModel model = WardModel::bounded;
-    LookMode mode = LookMode::painting;
+    ViewMode mode = ViewMode::painting;
     float strength = 0.7f, sharpness = 40;
     float most_curvature = 1;  // [1/mm] in the unit of its heights
     bool loupe = false, probing = true;
@@ -249,7 +249,7 @@ struct WindowState {
     std::filesystem::path dropped;    // a folder: compare or fit?
     std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
 
-    Treating treating;
+    TreatmentState treatment_state;
     float canvas_left = 0;  // [pixels of the window] where the painting's part of it begins
 
     // What the panels ask for; the window does it and clears them.
@@ -277,8 +277,8 @@ struct WindowState {
 
     void use_brush(const std::string& name);
     // All that has a colour, as it looks in this light.
-    void see_in(Illuminant light);
-    // That of the lamps; photographs are held against the painting in daylight.
+    void see_in(Illuminant lit_by);
+    // That of the lights; photographs are held against the painting in daylight.
     Illuminant illuminant_now() const { return comparing.on ? Illuminant::d65 : illuminant; }
     // Another paint box: of the mixture, the paints stay that it has too; its first where there are none.
     void use_palette(Palette other);
@@ -304,7 +304,7 @@ Extent pane(const WindowState& state, Extent screen);
 // Where the painting lies there. Photographs were taken from straight ahead: it is not tilted beside one.
 Placement placement_of(const WindowState& state, Extent screen);
 
-// The lamps and settings as the renderer takes them.
+// The lights and settings as the renderer takes them.
 Scene scene_of(const WindowState& state, const Placement& placement);
 
 }  // namespace tangi

@@ -102,9 +102,9 @@ void questions(WindowState& s) {
         if (ImGui::Button("Go on painting (Esc)")) s.ask.stay = true;
     }
     if (s.closing && !s.finishing) {
-        const bool unsaved = s.painter.unsaved || s.treating.edits > 0;
+        const bool unsaved = s.painter.unsaved || s.treatment_state.edits > 0;
         if (s.painter.unsaved) note("There are strokes that are not saved.", 1, kWarning);
-        if (s.treating.edits > 0)
+        if (s.treatment_state.edits > 0)
             note("The damage map was corrected, and is not in the log: closed so, the corrections are lost.",
                  3, kWarning);
         if (s.film)
@@ -122,9 +122,9 @@ void questions(WindowState& s) {
             ImGui::SameLine();
         }
         if (ImGui::Button(opens ? "Open" : "Close")) s.ask.close_unsaved = true;
-        tip(s.painter.unsaved      ? "The strokes stay in the journal: next time they can be recovered"
-            : s.treating.edits > 0 ? "The corrections of the damage map are given up"
-                                   : "What is being written is given up");
+        tip(s.painter.unsaved             ? "The strokes stay in the journal: next time they can be recovered"
+            : s.treatment_state.edits > 0 ? "The corrections of the damage map are given up"
+                                          : "What is being written is given up");
         if (ImGui::Button("Go on painting (Esc)")) {
             s.closing = false;
             s.open_next.clear();
@@ -199,7 +199,7 @@ void file(WindowState& s) {
 void tools(WindowState& s) {
     int i = 0;
     for (const ToolName& tool : kTools) {
-        if (!s.treating.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
+        if (!s.treatment_state.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
         if (i++ % 3 && tool.tool != Tool::damage) ImGui::SameLine();
         if (ImGui::RadioButton(with_key(s, tool.name, tool.action).c_str(), s.tool == tool.tool))
             s.tool = tool.tool;
@@ -246,7 +246,7 @@ void canvas(WindowState& s) {
                         s.painter.layers.size() == 1 ? "" : "s");
     for (const std::string& layer : s.painter.layers) {
         ImGui::PushID(layer.c_str());
-        if (!s.treating.on) {  // there, that is a step
+        if (!s.treatment_state.on) {  // there, that is a step
             if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
             tip("Takes this layer of dried paint away; can be undone");
             ImGui::SameLine();
@@ -268,9 +268,9 @@ void painting_parts(WindowState& s) {
     *unfolded = s.comparing.loaded;
     folding("Photographs", false, [&] { photographs(s); });
     bool* wanted = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("a scale is asked for"));
-    if (s.treating.scale_asked && !*wanted) ImGui::SetNextItemOpen(true);
-    *wanted = s.treating.scale_asked;
-    if (!s.treating.on) folding("Treatment", false, [&] { treatment(s); });
+    if (s.treatment_state.scale_asked && !*wanted) ImGui::SetNextItemOpen(true);
+    *wanted = s.treatment_state.scale_asked;
+    if (!s.treatment_state.on) folding("Treatment", false, [&] { treatment(s); });
     folding("Tools", true, [&] { tools(s); });
     // What the tool in the hand needs comes first: there is not room for all. Not while the pointer is on
     // what would move: a click on a paint takes the brush into the hand.
@@ -301,16 +301,17 @@ void column(WindowState& s, float height) {
     ImGui::Begin("column", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-    if (s.treating.on && is_narrow(s)) {
+    if (s.treatment_state.on && is_narrow(s)) {
         const auto choose = [&](const char* name, bool treatment) {
-            if (ImGui::RadioButton(name, s.treating.in_front == treatment)) s.treating.in_front = treatment;
+            if (ImGui::RadioButton(name, s.treatment_state.in_front == treatment))
+                s.treatment_state.in_front = treatment;
         };
         choose("Treatment", true);
         ImGui::SameLine();
         choose("Painting, light and look", false);
         ImGui::Separator();
     }
-    if (s.treating.on && is_narrow(s) && s.treating.in_front)
+    if (s.treatment_state.on && is_narrow(s) && s.treatment_state.in_front)
         treatment_parts(s);
     else
         painting_parts(s);
@@ -336,7 +337,7 @@ void help(WindowState& s) {
             const Action action = shortcut.action;
             const bool of_treatment = action == Action::tool_damage || action == Action::tool_sample ||
                                       (action > Action::treatment && action <= Action::treatment_report);
-            if (of_treatment && !s.treating.on) continue;
+            if (of_treatment && !s.treatment_state.on) continue;
             const bool asked = s.rebinding == action;
             const std::string key = s.keys.text(action);
             const std::string shown = asked ? "press a key" : key.empty() ? "(none)" : key;

@@ -82,7 +82,7 @@ void list(WindowState& s) {
         const auto broken = c.news.broken.find(index);
         const bool whole = broken == c.news.broken.end();
         const std::string name = fmt::format("{}{}##{}", entries[i].name,
-                                             !whole              ? " (left out)"
+                                             !whole              ? " (rejected)"
                                              : entries[i].fitted ? ""
                                                                  : " (held out)",
                                              i);

@@ -36,7 +36,7 @@ void counted(const DamageRow& row, bool scale_known) {
 }
 
 void legend(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (!ImGui::BeginTable("legend", 4, ImGuiTableFlags_SizingFixedFit)) return;
     ImGui::TableSetupColumn("class", ImGuiTableColumnFlags_WidthStretch);
     for (DamageRow& row : t.damage) {
@@ -70,7 +70,7 @@ void legend(WindowState& s) {
 }
 
 void map(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     ImGui::Checkbox(fmt::format("Map ({})", s.keys.text(Action::damage_map)).c_str(), &t.map);
     ImGui::SameLine();
     int style = static_cast<int>(t.style);
@@ -84,7 +84,7 @@ void map(WindowState& s) {
 }
 
 void drawing(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     int tool = static_cast<int>(t.mask_tool);
     ImGui::Text("Draw %s", title_of(t.current));
     for (const auto& [index, name] : {std::pair(0, "Brush"), {1, "Polygon"}, {2, "Wand"}, {3, "Area"}}) {
@@ -148,7 +148,7 @@ void options_of(Options& options, float scale) {
 
 // What was suggested; its room is there before it is.
 void suggested(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     ShownSuggestion nothing;
     ShownSuggestion& shown = t.suggestion ? *t.suggestion : nothing;
     std::string found, replaces;
@@ -182,7 +182,7 @@ void suggested(WindowState& s) {
 }
 
 void suggesting(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     int what = static_cast<int>(t.suggesting);
     if (ImGui::Combo("Look for", &what,
                      "losses\0craquelure\0other gloss\0old fills\0overpaint\0stains\0abrasion (seldom sure)\0"
@@ -195,7 +195,7 @@ void suggesting(WindowState& s) {
 
 // Last: each kind has its own.
 void how_it_is_looked_for(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (!ImGui::TreeNode("How it is looked for")) return;
     if (t.suggesting == Suggesting::loss) options_of(t.loss, s.scale);
     if (t.suggesting == Suggesting::craquelure) options_of(t.craquelure, s.scale);
@@ -220,8 +220,9 @@ void picture(const WindowState& s, const Placement& place, float left, float fro
             corners.push_back(in_window(place.to_screen({w * x / kCells - 0.5, h * y / kCells - 0.5}), left));
     ImDrawList* draw = ImGui::GetBackgroundDrawList();
     draw->PushClipRect({from, 0}, {to, ImGui::GetIO().DisplaySize.y}, true);
-    const auto texture = reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.treating.map_texture));
-    const auto alpha = static_cast<int>(255 * s.treating.opacity);
+    const auto texture =
+        reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(s.treatment_state.map_texture));
+    const auto alpha = static_cast<int>(255 * s.treatment_state.opacity);
     for (int y = 0; y < kCells; ++y)
         for (int x = 0; x < kCells; ++x) {
             const auto at = [&](int u, int v) {
@@ -237,7 +238,7 @@ void picture(const WindowState& s, const Placement& place, float left, float fro
 }
 
 void tool(const WindowState& s, const Placement& place, float left, const glm::dvec2& cursor) {
-    const Treating& t = s.treating;
+    const TreatmentState& t = s.treatment_state;
     const Rgb c = t.erase ? Rgb(1) : legend_colour_srgb(t.current);
     const ImU32 ink = ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1});
     glm::dvec2 centre;
@@ -274,7 +275,7 @@ void damage(WindowState& s) {
 
 void damage_map(const WindowState& s, const Placement& placement, Extent screen, const glm::dvec2& cursor,
                 bool cursor_over) {
-    const Treating& t = s.treating;
+    const TreatmentState& t = s.treatment_state;
     if (!t.on) return;
     const auto wide = static_cast<float>(screen.width);
     if (t.map_texture && (t.map || t.additions) && !s.comparing.shows())

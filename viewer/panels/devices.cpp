@@ -16,7 +16,7 @@ void devices(WindowState& s) {
         ImGui::TextDisabled(follow.sees_head ? "seen" : "no face");
     }
     ImGui::Checkbox("Light of the room (webcam)", &follow.light);
-    tip("The brightest direction that the webcam sees becomes the lamp");
+    tip("The brightest direction that the webcam sees becomes the light");
     ImGui::Checkbox("Tilt sensor", &follow.sensor);
     tip("The screen is the painting: tilt it, and the light wanders over it");
     idle_while(!follow.head && !follow.sensor, "Of the head, or the sensor", [&] {

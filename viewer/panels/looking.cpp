@@ -12,19 +12,19 @@ namespace tangi::panels {
 
 namespace {
 
-constexpr std::size_t kMostLamps = 4;
+constexpr std::size_t kMostViewLights = 4;
 constexpr const char* kComparing =
     "What is compared is lit as the photograph was; Compare, under Photographs, goes back to the painting";
 
-// The dome from above: drag the lamp.
+// The dome from above: drag the light.
 void dome(WindowState& s) {
-    const float radius = 59 * s.scale;  // beside it, the lamps have room in the column
+    const float radius = 59 * s.scale;  // beside it, the lights have room in the column
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     const ImVec2 centre(corner.x + radius + 2, corner.y + radius + 2);
     ImGui::InvisibleButton("dome", {2 * radius + 4, 2 * radius + 4});
     if (ImGui::IsItemActive() && !s.comparing.on) {
         const ImVec2 mouse = ImGui::GetIO().MousePos;
-        s.lamps[s.lamp].angles = light_at({(mouse.x - centre.x) / radius, (centre.y - mouse.y) / radius});
+        s.lights[s.light].angles = light_at({(mouse.x - centre.x) / radius, (centre.y - mouse.y) / radius});
         s.sweeping = false;
     }
     ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -32,12 +32,12 @@ void dome(WindowState& s) {
     for (const double elevation : {0.0, 30.0, 60.0})
         draw->AddCircle(centre, radius * static_cast<float>(std::cos(elevation * 3.14159265 / 180)),
                         IM_COL32(90, 90, 96, 255), 64);
-    for (std::size_t i = 0; i < s.lamps.size(); ++i) {
-        const glm::dvec2 at = place_of(s.lamps[i].angles);
+    for (std::size_t i = 0; i < s.lights.size(); ++i) {
+        const glm::dvec2 at = place_of(s.lights[i].angles);
         const ImVec2 spot(centre.x + radius * static_cast<float>(at.x),
                           centre.y - radius * static_cast<float>(at.y));
-        const int shade = s.lamps[i].on ? 255 : 110;
-        draw->AddCircleFilled(spot, (i == s.lamp ? 7.0f : 5.0f) * s.scale,
+        const int shade = s.lights[i].on ? 255 : 110;
+        draw->AddCircleFilled(spot, (i == s.light ? 7.0f : 5.0f) * s.scale,
                               IM_COL32(shade, shade * 220 / 255, shade / 2, 255));
     }
     if (!s.comparing.on) return;
@@ -49,7 +49,7 @@ void dome(WindowState& s) {
     }
 }
 
-void presets(Lamp& lamp) {
+void presets(ViewLight& light) {
     struct Preset {
         const char* name;
         double azimuth_deg, elevation_deg;
@@ -62,7 +62,7 @@ void presets(Lamp& lamp) {
         if (ImGui::Selectable(
                 fmt::format("{} ({:.0f}°, {:.0f}°)", preset.name, preset.azimuth_deg, preset.elevation_deg)
                     .c_str()))
-            lamp.angles = {preset.azimuth_deg, preset.elevation_deg};
+            light.angles = {preset.azimuth_deg, preset.elevation_deg};
     ImGui::EndCombo();
 }
 
@@ -73,16 +73,16 @@ void scale_of_colours(const WindowState& s) {
     const double low = static_cast<double>(s.lowest_mm) * s.height_unit_mm(),
                  high = static_cast<double>(s.highest_mm) * s.height_unit_mm();
     switch (s.mode) {  // as the shader has them
-        case LookMode::height:
+        case ViewMode::height:
             labels = {number(low), number((low + high) / 2), number(high) + (s.scale_known ? " mm" : " px")};
             break;
-        case LookMode::roughness:
+        case ViewMode::roughness:
             labels = {"0.02", "0.16", "1.28"};
             break;
-        case LookMode::specular:
+        case ViewMode::specular:
             labels = {"0", "0.075", "0.3"};
             break;
-        case LookMode::confidence:
+        case ViewMode::confidence:
             labels = {"0: unknown", "0.5", "1: certain"};
             break;
         default:
@@ -107,71 +107,71 @@ void scale_of_colours(const WindowState& s) {
     }
 }
 
-// Those of the lamp that is moved.
-void lamp_of(WindowState& s) {
+// Those of the light that is moved.
+void light_of(WindowState& s) {
     dome(s);
     ImGui::SameLine();
     ImGui::BeginGroup();
-    // What more lamps bring has its room all the time.
-    for (std::size_t i = 0; i < kMostLamps; ++i) {
+    // What more lights bring has its room all the time.
+    for (std::size_t i = 0; i < kMostViewLights; ++i) {
         if (i > 0) ImGui::SameLine(0, 2);
-        ImGui::BeginDisabled(i >= s.lamps.size());
-        if (ImGui::RadioButton(fmt::format("{}", i + 1).c_str(), s.lamp == i)) s.lamp = i;
+        ImGui::BeginDisabled(i >= s.lights.size());
+        if (ImGui::RadioButton(fmt::format("{}", i + 1).c_str(), s.light == i)) s.light = i;
         ImGui::EndDisabled();
-        tip(fmt::format("Lamp {}", i + 1));
+        tip(fmt::format("Light {}", i + 1));
     }
-    idle_while(s.lamps.size() >= kMostLamps, "There are four at most", [&] {
-        if (!ImGui::SmallButton("Add a lamp")) return;
-        s.lamps.push_back({.angles = {-45, 30}, .gain = 0.4f});
-        s.lamp = s.lamps.size() - 1;
+    idle_while(s.lights.size() >= kMostViewLights, "There are four at most", [&] {
+        if (!ImGui::SmallButton("Add a light")) return;
+        s.lights.push_back({.angles = {-45, 30}, .gain = 0.4f});
+        s.light = s.lights.size() - 1;
     });
-    idle_while(s.lamps.size() < 2, nullptr, [&] {
+    idle_while(s.lights.size() < 2, nullptr, [&] {
         if (!ImGui::SmallButton("Remove")) return;
-        s.lamps.erase(s.lamps.begin() + static_cast<std::ptrdiff_t>(s.lamp));
-        s.lamp = std::min(s.lamp, s.lamps.size() - 1);
+        s.lights.erase(s.lights.begin() + static_cast<std::ptrdiff_t>(s.light));
+        s.light = std::min(s.light, s.lights.size() - 1);
     });
     ImGui::Checkbox("Sweep", &s.sweeping);
     if (ImGui::SmallButton("Film …") && !s.film) s.ask.film_dialog = true;
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("%s: a video of this view, while this lamp goes once round at its elevation",
+        ImGui::SetTooltip("%s: a video of this view, while this light goes once round at its elevation",
                           s.keys.text(Action::film).c_str());
     ImGui::EndGroup();
-    Lamp& lamp = s.lamps[s.lamp];
-    auto azimuth = static_cast<float>(lamp.angles.azimuth_deg),
-         elevation = static_cast<float>(lamp.angles.elevation_deg);
-    if (slide("Azimuth", azimuth, -180, 180, "%.1f°")) lamp.angles.azimuth_deg = azimuth;
-    if (slide("Elevation", elevation, 2, 90, "%.1f°")) lamp.angles.elevation_deg = elevation;
-    presets(lamp);
-    slide("Strength", lamp.gain, 0, 4, "%.2f");
-    ImGui::Checkbox("On", &lamp.on);
+    ViewLight& light = s.lights[s.light];
+    auto azimuth = static_cast<float>(light.angles.azimuth_deg),
+         elevation = static_cast<float>(light.angles.elevation_deg);
+    if (slide("Azimuth", azimuth, -180, 180, "%.1f°")) light.angles.azimuth_deg = azimuth;
+    if (slide("Elevation", elevation, 2, 90, "%.1f°")) light.angles.elevation_deg = elevation;
+    presets(light);
+    slide("Strength", light.gain, 0, 4, "%.2f");
+    ImGui::Checkbox("On", &light.on);
     ImGui::SameLine();
-    ImGui::Checkbox("Near", &lamp.near);
+    ImGui::Checkbox("Near", &light.near);
     ImGui::SameLine();
     ImGui::Checkbox(with_key(s, "Shadows", Action::shadows).c_str(), &s.shadows);
-    idle_while(!lamp.near, "Of a near lamp",
-               [&] { slide("Distance", lamp.distance, 0.2f, 5, "%.2f widths"); });
+    idle_while(!light.near, "Of a near light",
+               [&] { slide("Distance", light.distance, 0.2f, 5, "%.2f widths"); });
     idle_while(!s.shadows, "Of shadows", [&] { slide("Softness", s.light_radius_deg, 0, 15, "%.1f°"); });
     slide("Ambient", s.ambient, 0, 0.5f, "%.2f");
 }
 
 void look_of(WindowState& s) {
     const auto name_of_mode = [&] {
-        for (const LookName& look : kLooks)
+        for (const ViewModeName& look : kViewModes)
             if (look.mode == s.mode) return look.name;
         return "";
     };
     if (ImGui::BeginCombo("Show", name_of_mode())) {
-        for (const LookName& look : kLooks)
+        for (const ViewModeName& look : kViewModes)
             if (ImGui::Selectable(look.name, look.mode == s.mode)) s.mode = look.mode;
         ImGui::EndCombo();
     }
-    if (s.mode == LookMode::specular_enhancement || s.mode == LookMode::diffuse_gain ||
-        s.mode == LookMode::unsharp_normals)
+    if (s.mode == ViewMode::specular_enhancement || s.mode == ViewMode::diffuse_gain ||
+        s.mode == ViewMode::unsharp_normals)
         slide("Effect", s.strength, 0, 1, "%.2f");
-    if (s.mode == LookMode::specular_enhancement) slide("Sharpness", s.sharpness, 2, 200, "%.0f");
+    if (s.mode == ViewMode::specular_enhancement) slide("Sharpness", s.sharpness, 2, 200, "%.0f");
     scale_of_colours(s);
-    if (s.mode == LookMode::height) drag_ends("Heights", s.lowest_mm, s.highest_mm, 0.005f, "%.3f");
-    if (s.mode == LookMode::curvature) {
+    if (s.mode == ViewMode::height) drag_ends("Heights", s.lowest_mm, s.highest_mm, 0.005f, "%.3f");
+    if (s.mode == ViewMode::curvature) {
         const auto unit = static_cast<float>(s.height_unit_mm());
         float most = s.most_curvature / unit;
         if (slide("Curvature", most, 0.005f, 50, s.scale_known ? "± %.3g /mm" : "± %.3g /px",
@@ -184,7 +184,7 @@ void look_of(WindowState& s) {
             if (ImGui::Selectable(light.name, light.illuminant == s.illuminant)) s.see_in(light.illuminant);
         ImGui::EndCombo();
     }
-    tip("What the lamps' light is made of: paints that match in one can differ in another. What is below the "
+    tip("What their light is made of: paints that match in one can differ in another. What is below the "
         "paint is seen by a reflectance guessed from its colour");
     slide("Exposure", s.exposure_stops, -4, 4, "%.1f stops");
     slide("Shoulder", s.shoulder, 0, 0.9f, "%.2f");
@@ -198,7 +198,7 @@ void look_of(WindowState& s) {
 }  // namespace
 
 void light(WindowState& s) {
-    idle_while(s.comparing.on, kComparing, [&] { lamp_of(s); });
+    idle_while(s.comparing.on, kComparing, [&] { light_of(s); });
 }
 
 void look(WindowState& s) {

@@ -32,11 +32,11 @@ void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
     }
     tip("The brush is loaded with this mixture, and paints");
     ImGui::TextWrapped("%s", r.text.c_str());
-    std::string lamps = "ΔE2000 ";
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
-        lamps += fmt::format(" {} {:.1f}", name_of(static_cast<Illuminant>(lamp)), r.delta_e[lamp]);
-    ImGui::TextUnformatted(lamps.c_str());
-    tip("Predicted difference from the painting's colour under each lamp; 1 is about what can just be seen");
+    std::string lights = "ΔE2000 ";
+    for (std::size_t light = 0; light < kIlluminants; ++light)
+        lights += fmt::format(" {} {:.1f}", name_of(static_cast<Illuminant>(light)), r.delta_e[light]);
+    ImGui::TextUnformatted(lights.c_str());
+    tip("Predicted difference from the painting's colour under each light; 1 is about what can just be seen");
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     ImGui::TextWrapped("%s", r.gloss.c_str());
     ImGui::PopStyleColor();
@@ -47,7 +47,7 @@ void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
 
 // The list of pairs that are kept apart, to be edited.
 void pairs(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (!ImGui::TreeNode("Bad pairs")) return;
     const auto words = [](const std::vector<std::string>& all) {
         return fmt::format("{}", fmt::join(all, ", "));
@@ -76,15 +76,15 @@ void pairs(WindowState& s) {
 }  // namespace
 
 void matching(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     ImGui::TextDisabled("%s, %zu paints", s.palette.name.c_str(), s.palette.paints.size());
     ImGui::SameLine();
     if (ImGui::SmallButton("Other …")) s.ask.palette_dialog = true;
     tip("Another paint box: a palette file (.json). The painting is opened again with it");
     ImGui::TextUnformatted("Matches under");
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp) {
-        if (lamp) ImGui::SameLine();
-        ImGui::Checkbox(std::string(name_of(static_cast<Illuminant>(lamp))).c_str(), &t.lamps[lamp]);
+    for (std::size_t light = 0; light < kIlluminants; ++light) {
+        if (light) ImGui::SameLine();
+        ImGui::Checkbox(std::string(name_of(static_cast<Illuminant>(light))).c_str(), &t.illuminants[light]);
     }
     slide("Paints", t.most_paints, 1, kMostPaints, "%d at most");
     ImGui::Checkbox("As a thin film", &t.film);

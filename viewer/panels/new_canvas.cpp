@@ -111,7 +111,7 @@ void new_canvas(WindowState& s) {
         const ImVec2 room(s.scale * SubstratePreview::kWidth, s.scale * SubstratePreview::kHeight),
             corner = ImGui::GetCursorScreenPos();
         ImGui::Dummy(room);
-        tip("A piece of it, pixel by pixel, under the lamp as it stands");
+        tip("A piece of it, pixel by pixel, under the light as it stands");
         if (n.texture != 0)
             ImGui::GetWindowDrawList()->AddImage(
                 reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(n.texture)), corner,

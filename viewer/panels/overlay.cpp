@@ -73,12 +73,12 @@ void region(const WindowState& s, const Placement& placement, float left) {
     draw->AddPolyline(points.data(), 4, IM_COL32(120, 220, 255, 255), ImDrawFlags_Closed, 1.5f);
 }
 
-// Some lamp is in front of the painting as it is tilted.
+// Some light is in front of the painting as it is tilted.
 bool lit_from_front(const WindowState& s, const Placement& placement) {
     if (s.comparing.shows()) return true;
-    return std::ranges::any_of(s.lamps, [&](const Lamp& lamp) {
-        return lamp.on &&
-               placement.in_surface(direction_of(lamp.angles.azimuth_deg, lamp.angles.elevation_deg)).z > 0;
+    return std::ranges::any_of(s.lights, [&](const ViewLight& light) {
+        return light.on &&
+               placement.in_surface(direction_of(light.angles.azimuth_deg, light.angles.elevation_deg)).z > 0;
     });
 }
 
@@ -142,8 +142,9 @@ void probe(const WindowState& s, float right) {
         m.specular, plus_minus(e.specular, 3), m.roughness, plus_minus(e.roughness, 3), m.normal.x,
         m.normal.y, m.normal.z, plus_minus(e.slope, 3), unit * m.height_mm, plus_minus(unit * e.height_mm, 4),
         s.scale_known ? "mm" : "px", m.confidence);
-    if (m.lobe_colour != Rgb(1))
-        text += fmt::format("\nlobe {:.2f} {:.2f} {:.2f}", m.lobe_colour.r, m.lobe_colour.g, m.lobe_colour.b);
+    if (m.specular_colour != Rgb(1))
+        text += fmt::format("\nlobe {:.2f} {:.2f} {:.2f}", m.specular_colour.r, m.specular_colour.g,
+                            m.specular_colour.b);
     if (m.stretch != Stretch(0)) {
         const LobeAxes axes = axes_of(m.stretch, m.roughness);
         text += fmt::format("\nα {:.3f} along {:.0f}°, {:.3f} across",
@@ -186,19 +187,20 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     }
     if (!s.comparing.on && cursor_over && on_painting(s, placement, cursor))
         probe(s, left + static_cast<float>(screen.width));
-    const Lamp& lamp = s.lamps[s.lamp];
+    const ViewLight& light = s.lights[s.light];
     std::string status = fmt::format("{:.0f} %", 100 * s.view.zoom);
     if (s.comparing.on)
         status += s.comparing.pair ? "   lit as it was held up" : "   lit as the photograph";
     else
         status += fmt::format("   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°", s.tilt.angle_deg.x,
-                              s.tilt.angle_deg.y, lamp.angles.azimuth_deg, lamp.angles.elevation_deg);
+                              s.tilt.angle_deg.y, light.angles.azimuth_deg, light.angles.elevation_deg);
     if (s.illuminant_now() != Illuminant::d65)
         status += fmt::format("   in {}", light_named(s.illuminant_now()));
-    if (!lit_from_front(s, placement)) status += "   the lamps light its back: straighten it, or move them";
-    if (s.treating.state) status += fmt::format("   as it was: {}", title_of(*s.treating.state));
-    if (s.treating.preview)
-        status += s.treating.preview->stale ? "   preview of other settings" : "   preview";
+    if (!lit_from_front(s, placement)) status += "   the lights light its back: straighten it, or move them";
+    if (s.treatment_state.state)
+        status += fmt::format("   as it was: {}", title_of(*s.treatment_state.state));
+    if (s.treatment_state.preview)
+        status += s.treatment_state.preview->stale ? "   preview of other settings" : "   preview";
     if (s.painter.saving) status += "   saving …";
     if (s.painter.waiting > 20) status += "   painting …";
     if (!s.doubts.empty())

@@ -107,7 +107,7 @@ void palette(WindowState& s) {
     }
     const ImVec2 size(width(s) - 30 * s.scale, 24 * s.scale), at = ImGui::GetCursorScreenPos();
     ImGui::Dummy(size);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly over an edge, under a lamp");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly over an edge, under a light");
     constexpr int kStrips = 70;
     const glm::dvec2 gloss = s.mixed_gloss();
     const std::vector<Rgb> strip = gloss_strip(s.mixed_colour(), gloss.x, gloss.y, kStrips);

@@ -26,7 +26,7 @@ inline bool is_narrow(const WindowState& state) {
 
 // [pixels] of the column at the left.
 inline float width(const WindowState& state) {
-    return (state.treating.on && is_narrow(state) ? 330 : 300) * state.scale;
+    return (state.treatment_state.on && is_narrow(state) ? 330 : 300) * state.scale;
 }
 
 // "Fit (F)": what its key does, too.
@@ -87,7 +87,7 @@ void canvas(WindowState& state);
 
 // The column at the right, while the painting is under treatment: Damage, Steps, Colour, Record.
 inline float treatment_width(const WindowState& state) {
-    return state.treating.on && !is_narrow(state) ? 330 * state.scale : 0;
+    return state.treatment_state.on && !is_narrow(state) ? 330 * state.scale : 0;
 }
 void treatment_column(WindowState& state, float height);
 void treatment_parts(WindowState& state);  // what is in it

@@ -30,7 +30,7 @@ void comparing_of(const Comparing& c, const See& see) {
     each_of(c.news.book->warnings(), see);
 }
 
-void matches_of(const Treating& t, const See& see) {
+void matches_of(const TreatmentState& t, const See& see) {
     if (t.match) {
         see(t.match->of);
         for (const ShownRecipe& recipe : t.match->recipes) {
@@ -48,7 +48,7 @@ void matches_of(const Treating& t, const See& see) {
     for (const std::string* text : {&t.new_pair.first, &t.new_pair.second, &t.new_pair.why}) see(*text);
 }
 
-void treating_of(const Treating& t, const See& see) {
+void treatment_state_of(const TreatmentState& t, const See& see) {
     for (const std::string* text : {&t.folder, &t.who, &t.usual_who, &t.no_strokes, &t.job_title}) see(*text);
     each_of(t.faults, see);
     for (const LogRow& row : t.log) {
@@ -94,7 +94,7 @@ void each_shown_text(const WindowState& s, const See& see) {
     job_of(s.job, see);
     painting_of(s, see);
     comparing_of(s.comparing, see);
-    treating_of(s.treating, see);
+    treatment_state_of(s.treatment_state, see);
 }
 
 }  // namespace tangi

@@ -32,7 +32,7 @@ float footer_height() {
 }
 
 void footer(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (!t.checking && !t.usable)
         note("The treatment is not as its log says: Record", 1, kFault);
     else
@@ -59,7 +59,7 @@ void footer(WindowState& s) {
 
 // Which damage steps work on.
 void works_on(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     std::string names;
     for (const DamageClass damage : t.where)
         names += (names.empty() ? "" : ", ") + std::string(title_of(damage));
@@ -86,7 +86,7 @@ void works_on(WindowState& s) {
 }
 
 void fill(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     using Texture = std::pair<FillTexture, const char*>;
     choice("Surface", t.texture,
            std::array<Texture, 3>{Texture(FillTexture::surroundings, "as its surroundings"),
@@ -112,7 +112,7 @@ void varnish(const WindowState& s, VarnishOptions& v) {
 }
 
 void by_hand(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     idle_while(s.painter.unsaved, "What was painted is to be entered in the log first", [&] {
         ImGui::Checkbox("Paint stops at the damage", &t.confined);
         tip("Brushes neither give nor take paint outside of it");
@@ -155,11 +155,11 @@ void previewed(const std::optional<ShownRetouch>& preview) {
     const ShownRetouch& p = *preview;
     if (p.stale) ImGui::TextColored(kWarning, "laid with other settings: preview again");
     ImGui::Text("ΔE2000 from the surroundings' colour");
-    std::string lamps;
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
-        lamps += fmt::format("{}{} {:.1f}", lamp ? "  " : "", name_of(static_cast<Illuminant>(lamp)),
-                             p.delta_e[lamp]);
-    ImGui::TextWrapped("%s", lamps.c_str());
+    std::string lights;
+    for (std::size_t light = 0; light < kIlluminants; ++light)
+        lights += fmt::format("{}{} {:.1f}", light ? "  " : "", name_of(static_cast<Illuminant>(light)),
+                              p.delta_e[light]);
+    ImGui::TextWrapped("%s", lights.c_str());
     if (!p.lines.empty()) ImGui::TextWrapped("%s", p.lines.c_str());
     if (p.outside_px > 0) ImGui::TextColored(kFault, "%d pixels on original", p.outside_px);
     for (const std::string& pile : p.piles) ImGui::TextWrapped("%s", pile.c_str());
@@ -167,7 +167,7 @@ void previewed(const std::optional<ShownRetouch>& preview) {
 }
 
 void laid(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     using Mode = std::pair<RetouchMode, const char*>;
     choice("Kind", t.mode,
            std::array<Mode, 6>{
@@ -204,21 +204,21 @@ void laid(WindowState& s) {
 }
 
 void states(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (ImGui::RadioButton("Now", !t.state)) t.state.reset();
     tip(s.keys.text(Action::next_state) + ": the next state");
     for (int i = 0; i < 5; ++i) {
-        const auto state = static_cast<TreatmentState>(i);
-        if (state == TreatmentState::cleaned) continue;  // as it was photographed: one with Before
+        const auto state = static_cast<TreatmentStage>(i);
+        if (state == TreatmentStage::cleaned) continue;  // as it was photographed: one with Before
         if (i != 2) ImGui::SameLine();
         if (ImGui::RadioButton(title_of(state), t.state == state)) t.state = state;
     }
-    using State = std::pair<std::optional<TreatmentState>, const char*>;
+    using State = std::pair<std::optional<TreatmentStage>, const char*>;
     // Before and cleaned differ where the treatment has the painting as it was before (treatment earlier).
     static constexpr std::array<State, 6> kStates = {
-        State(TreatmentState::before, "Before"),       State(TreatmentState::cleaned, "Cleaned"),
-        State(TreatmentState::filled, "Filled"),       State(TreatmentState::retouched, "Retouched"),
-        State(TreatmentState::varnished, "Varnished"), State(std::nullopt, "Now")};
+        State(TreatmentStage::before, "Before"),       State(TreatmentStage::cleaned, "Cleaned"),
+        State(TreatmentStage::filled, "Filled"),       State(TreatmentStage::retouched, "Retouched"),
+        State(TreatmentStage::varnished, "Varnished"), State(std::nullopt, "Now")};
     ImGui::PushItemWidth(100 * s.scale);
     choice("##left", t.left, kStates);
     ImGui::SameLine();
@@ -226,7 +226,7 @@ void states(WindowState& s) {
     ImGui::PopItemWidth();
     ImGui::SameLine();
     if (ImGui::Button("Compare")) t.ask.compare_states = true;
-    tip(s.keys.text(Action::compare_states) + ": two states under the lamp, side by side or wiped (" +
+    tip(s.keys.text(Action::compare_states) + ": two states under the light, side by side or wiped (" +
         s.keys.text(Action::compare_way) + ")");
     ImGui::Checkbox("Additions in false colour", &t.additions);
     tip(s.keys.text(Action::additions) +
@@ -243,7 +243,7 @@ void states(WindowState& s) {
     });
 }
 
-void by(Treating& t) {
+void by(TreatmentState& t) {
     ImGui::InputTextWithHint("By", t.usual_who.c_str(), &t.who);
     tip("Your name, as the log has it");
 }
@@ -253,19 +253,19 @@ void by(Treating& t) {
 void treatment(WindowState& s) {
     ImGui::TextWrapped(
         "A treatment keeps the painting as it is, and all that is done to it as layers and in a log.");
-    if (ImGui::Button("Begin, or go on")) s.treating.ask.begin = true;
+    if (ImGui::Button("Begin, or go on")) s.treatment_state.ask.begin = true;
     tip(s.keys.text(Action::treatment) + ": in a folder beside the painting, with a copy of it");
     ImGui::SameLine();
-    if (ImGui::Button("Open …")) s.treating.ask.open_dialog = true;
-    by(s.treating);
+    if (ImGui::Button("Open …")) s.treatment_state.ask.open_dialog = true;
+    by(s.treatment_state);
     idle_while(s.scale_known, "The painting's scale is known", [&] {
-        type_number("Width", s.treating.width_mm, 0, 1e5, "%.1f mm");
+        type_number("Width", s.treatment_state.width_mm, 0, 1e5, "%.1f mm");
         tip("Of the painting, whose scale is unknown; without it, a pixel counts as one mm");
     });
 }
 
 void steps(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     works_on(s);
     folding("States", true, [&] { states(s); });
     folding("Fill", false, [&] { fill(s); });
@@ -285,7 +285,7 @@ void steps(WindowState& s) {
 }
 
 void record(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     by(t);
     if (ImGui::Button("Check again")) t.ask.check = true;
     tip("Compares masks, layers and the original with the log");
@@ -323,7 +323,7 @@ void record(WindowState& s) {
 }
 
 void treatment_parts(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (ImGui::BeginTabBar("parts")) {
         const auto tab = [&](const char* name, void (*panel)(WindowState&)) {
             const bool forward = std::string_view(name) == t.forward;

@@ -12,7 +12,7 @@ namespace {
 
 // Whether a click is meant for the row that it meets. Rows move when a layer goes; the second click of a
 // double click, as long as one takes, was meant for the row that was there before.
-bool is_meant(Treating& t) {
+bool is_meant(TreatmentState& t) {
     const ImGuiIO& io = ImGui::GetIO();
     if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left)) return true;  // by a key
     return io.MouseClickedTime[ImGuiMouseButton_Left] >=
@@ -21,7 +21,7 @@ bool is_meant(Treating& t) {
 
 // Above the rows, so that it stays where it is when one goes.
 void undo_and_all(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     const NextUndo& next = t.next_undo;
     const std::string undo = next.step.empty() ? "Undo" : "Undo: " + next.step;
     const float wide = ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().FramePadding.x;
@@ -44,7 +44,7 @@ void undo_and_all(WindowState& s) {
 }  // namespace
 
 void treatment_layers(WindowState& s) {
-    Treating& t = s.treating;
+    TreatmentState& t = s.treatment_state;
     if (std::exchange(t.layers_moved, false)) t.layers_moved_s = ImGui::GetTime();
     undo_and_all(s);
     if (t.layers.empty()) ImGui::TextDisabled("nothing lies on the painting");

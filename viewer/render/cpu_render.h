@@ -11,7 +11,7 @@ namespace tangi {
 // v). Without a shoulder it clips at 1.
 float toned(float value, float shoulder);
 
-// The painting (LookMode::painting) under the scene's lights, with its shadows, exposure and tone curve:
+// The painting (ViewMode::painting) under the scene's lights, with its shadows, exposure and tone curve:
 // sRGB-encoded, 0..1, at most `side_px` pixels wide and high (0: all of them).
 Image<Rgb> scene_picture(const Surface& surface, const Scene& scene, int side_px = 0,
                          const Progress& progress = {});

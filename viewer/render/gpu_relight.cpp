@@ -62,7 +62,10 @@ Image<Rgb> relight_with(Renderer& renderer, const Surface& surface, const std::v
     if (lights.size() > kMostLights)
         fail("{} lights at once are more than the {} that the graphics shader takes", lights.size(),
              kMostLights);
-    Scene scene{.lights = lights, .law = surface.law, .rig = surface.photography.rig, .model = options.model};
+    Scene scene{.lights = lights,
+                .reflectance_model = surface.reflectance_model,
+                .rig = surface.photography.rig,
+                .model = options.model};
     scene.shadows = options.cast_shadows ? Shadows::marched : Shadows::none;
     scene.light_radius_deg = light_radius_deg(surface, options);
     scene.ambient = options.ambient;

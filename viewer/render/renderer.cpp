@@ -77,9 +77,9 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
         definitions += fmt::format("#define {} {}\n", name, value);
     };
     define("WARD_MODEL", static_cast<int>(scene.model));
-    define("LAW", scene.law == ReflectanceLaw{} ? 0 : 1);
-    define("COLOURED", tiles_->range().coloured_lobes ? 1 : 0);
-    define("DRAWN_OUT", tiles_->range().drawn_out_lobes ? 1 : 0);
+    define("LAW", scene.reflectance_model == ReflectanceModel{} ? 0 : 1);
+    define("COLOURED", tiles_->range().coloured_specular ? 1 : 0);
+    define("DRAWN_OUT", tiles_->range().anisotropic_specular ? 1 : 0);
     define("FILTER", shot.smooth ? 1 : 0);
     define("AT_HOME", by_table ? 0 : 1);
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));
@@ -126,7 +126,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     glBindFramebuffer(GL_FRAMEBUFFER, target);
     const bool encodes = !linear && !(scene.on_monitor && monitor_) && holds_srgb(target);
     const gl::Program& program = program_for(scene, shot, linear || encodes, !homes);
-    if (scene.shadows == Shadows::horizon && horizon_ && all_far(scene)) towards_lamps(scene.lights);
+    if (scene.shadows == Shadows::horizon && horizon_ && all_far(scene)) towards_lights(scene.lights);
     glViewport(corner.x, corner.y, shot.width, shot.height);
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
@@ -177,7 +177,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_horizon", 1);
     u.set("u_pages", 2);
     u.set("u_monitor", 3);
-    u.set("u_lamp_horizon", 4);
+    u.set("u_light_horizon", 4);
     u.set("u_first_page", cache_.first_entries());
     if (homes)
         u.set("u_homes",
@@ -195,7 +195,8 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_place", places);
     u.set("u_beam", beams);
     u.set("u_beam_curved", curved_beams);
-    u.set("u_law", glm::vec2(scene.law.diffuse_roughness, scene.law.haze));
+    u.set("u_reflectance_model",
+          glm::vec2(scene.reflectance_model.diffuse_roughness, scene.reflectance_model.haze));
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
     u.set("u_highest", range.height_max_mm);
@@ -209,7 +210,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_shoulder", scene.shoulder);
     u.set("u_background", scene.background);
     u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm,
-                              scene.mode == LookMode::curvature ? scene.most_curvature : scene.highest_mm));
+                              scene.mode == ViewMode::curvature ? scene.most_curvature : scene.highest_mm));
     glDrawArrays(GL_TRIANGLES, 0, 3);
     if (encodes) glDisable(GL_FRAMEBUFFER_SRGB);
     glDisable(GL_SCISSOR_TEST);

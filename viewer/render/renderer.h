@@ -74,14 +74,14 @@ private:
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const glm::ivec2& corner,
               const Homes& homes);
     void make_layers(int wanted);
-    void towards_lamps(const std::vector<Light>& lights);
+    void towards_lights(const std::vector<Light>& lights);
     bool allocated(int layers);
 
     int largest_layers_ = 0;
     gl::VertexArray nothing_;
-    gl::Texture texels_, table_, horizon_, lamp_horizons_, monitor_;
+    gl::Texture texels_, table_, horizon_, light_horizons_, monitor_;
     HorizonMap horizon_map_;
-    std::vector<double> lamp_azimuths_deg_;        // of the layers of lamp_horizons_
+    std::vector<double> light_azimuths_deg_;       // of the layers of light_horizons_
     std::map<std::string, gl::Program> programs_;  // by their definitions
     std::shared_ptr<const TexelTiles> tiles_;
     TileCache cache_;

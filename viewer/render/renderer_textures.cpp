@@ -117,7 +117,7 @@ Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t m
 Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes, bool guest) {
     TP_REQUIRE(tiles_, "there is a painting to draw");
     std::vector<TileView> views = {{shot.level, outline_of(shot)}};
-    if (scene.mode == LookMode::unsharp_normals)
+    if (scene.mode == ViewMode::unsharp_normals)
         views.push_back({shot.level + static_cast<int>(scene.sharpness), views.front().outline});
     if (scene.shadows == Shadows::marched) {
         const double right = tiles_->width(), bottom = tiles_->height();
@@ -163,19 +163,19 @@ void Renderer::set_horizon(const HorizonMap& map) {
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     uploaded_.horizons += map.values.size();
     horizon_map_ = map;
-    lamp_horizons_ = {};
-    lamp_azimuths_deg_.clear();
+    light_horizons_ = {};
+    light_azimuths_deg_.clear();
     gl::require_no_error("for cast shadows");
 }
 
-// A layer of lamp_horizons_ for each light, whose direction is the same everywhere.
-void Renderer::towards_lamps(const std::vector<Light>& lights) {
+// A layer of light_horizons_ for each light, whose direction is the same everywhere.
+void Renderer::towards_lights(const std::vector<Light>& lights) {
     const int width = horizon_map_.width, height = horizon_map_.height;
     glActiveTexture(GL_TEXTURE4);
-    if (!lamp_horizons_ || lamp_azimuths_deg_.size() != lights.size()) {
-        lamp_horizons_ = gl::make_texture();
-        lamp_azimuths_deg_.assign(lights.size(), std::numeric_limits<double>::quiet_NaN());
-        glBindTexture(GL_TEXTURE_2D_ARRAY, lamp_horizons_.id());
+    if (!light_horizons_ || light_azimuths_deg_.size() != lights.size()) {
+        light_horizons_ = gl::make_texture();
+        light_azimuths_deg_.assign(lights.size(), std::numeric_limits<double>::quiet_NaN());
+        glBindTexture(GL_TEXTURE_2D_ARRAY, light_horizons_.id());
         glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
         glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
         glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -183,12 +183,12 @@ void Renderer::towards_lamps(const std::vector<Light>& lights) {
         glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_R16, width, height, static_cast<GLsizei>(lights.size()), 0,
                      GL_RED, GL_UNSIGNED_SHORT, nullptr);
     }
-    glBindTexture(GL_TEXTURE_2D_ARRAY, lamp_horizons_.id());
+    glBindTexture(GL_TEXTURE_2D_ARRAY, light_horizons_.id());
     std::vector<std::uint16_t> roots;
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const double azimuth_deg = angles_of(lights[i].direction).azimuth_deg;
-        if (lamp_azimuths_deg_[i] == azimuth_deg) continue;
-        lamp_azimuths_deg_[i] = azimuth_deg;
+        if (light_azimuths_deg_[i] == azimuth_deg) continue;
+        light_azimuths_deg_[i] = azimuth_deg;
         roots.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
         horizon_towards(horizon_map_, azimuth_deg, roots);
         glPixelStorei(GL_UNPACK_ALIGNMENT, 2);

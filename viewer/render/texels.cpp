@@ -81,8 +81,8 @@ constexpr Layout kDrawnOutLobes{.u = field(0, 0, 13),
 // Calls `with` with the layout of these texels, known when compiled.
 template <class With>
 auto by_layout(const TexelRange& r, const With& with) {
-    if (r.drawn_out_lobes) return with.template operator()<kDrawnOutLobes>();
-    if (r.coloured_lobes) return with.template operator()<kColouredLobes>();
+    if (r.anisotropic_specular) return with.template operator()<kDrawnOutLobes>();
+    if (r.coloured_specular) return with.template operator()<kColouredLobes>();
     return with.template operator()<kWhiteLobes>();
 }
 
@@ -95,21 +95,21 @@ float stretch_of_code(std::uint32_t code) { return (static_cast<float>(code) - k
 // What a texel of the next level has of those below.
 class MeanMaterial {
 public:
-    explicit MeanMaterial(bool drawn_out) : drawn_out_(drawn_out) {}
+    explicit MeanMaterial(bool anisotropic) : anisotropic_(anisotropic) {}
     void add(const Material& m) {
         const Slope slope = slope_of(m.normal);
         const float weight = m.specular + 1e-6f;
         sum_.normal += m.normal;
         sum_.diffuse += m.diffuse;
         sum_.specular += m.specular;
-        lobe_colour_ += weight * m.lobe_colour;
+        specular_colour_ += weight * m.specular_colour;
         sum_.height_mm += m.height_mm;
         sum_.confidence += m.confidence;
         gloss_ += weight;
         slope_x_ += weight * slope.x;
         slope_y_ += weight * slope.y;
         spread_ += weight * (m.roughness * m.roughness + slope.x * slope.x + slope.y * slope.y);
-        if (drawn_out_) {
+        if (anisotropic_) {
             // alpha^2 / 2 is the variance of slopes in one direction.
             const StretchShape<float> shape = shape_of(m.stretch.x, m.stretch.y);
             const float half = weight * m.roughness * m.roughness / 2;
@@ -126,27 +126,28 @@ public:
         Material mean{glm::normalize(sum_.normal), sum_.diffuse * (length / count_),
                       sum_.specular / count_,      std::sqrt(std::max(variance, 1e-12f)),
                       sum_.height_mm / count_,     sum_.confidence / count_,
-                      lobe_colour_ / gloss_};
-        if (drawn_out_) draw_out(variance, differ_ / gloss_ - x * x + y * y, cross_ / gloss_ - x * y, mean);
+                      specular_colour_ / gloss_};
+        if (anisotropic_)
+            stretch_half_vector(variance, differ_ / gloss_ - x * x + y * y, cross_ / gloss_ - x * y, mean);
         return mean;
     }
 
 private:
     // Of the covariance of slopes: its trace, the difference of its diagonal, and what is beside it.
-    static void draw_out(float trace, float difference, float beside, Material& mean) {
+    static void stretch_half_vector(float trace, float difference, float beside, Material& mean) {
         const float off = std::sqrt(difference * difference / 4 + beside * beside);
         const float root2 = std::max(trace * trace / 4 - off * off, 0.0f);  // the determinant
         mean.roughness = std::sqrt(std::max(2 * std::sqrt(root2), 1e-12f));
         const float s = std::min(std::asinh(2 * off / (mean.roughness * mean.roughness)) / 2,
                                  static_cast<float>(kMostStretch));
-        // What is drawn out further than can be told is no narrower for it.
+        // What is anisotropic further than can be told is no narrower for it.
         mean.roughness = std::sqrt(std::max(trace, 1e-12f) / std::cosh(2 * s));
         if (off > 0) mean.stretch = s / off * Stretch(difference / 2, beside);
     }
 
-    bool drawn_out_;
+    bool anisotropic_;
     Material sum_{.normal = Vec3(0)};
-    Rgb lobe_colour_{0};
+    Rgb specular_colour_{0};
     float count_ = 0, gloss_ = 0, spread_ = 0, slope_x_ = 0, slope_y_ = 0, differ_ = 0, cross_ = 0;
 };
 
@@ -180,8 +181,8 @@ TexelRange range_of(const Surface& s, float paint_mm) {
     range.specular_max = std::min(range.specular_max, 16.0f);
     range.height_min_mm = low;
     range.height_max_mm = std::max(high, low + 1e-6f) + paint_mm;
-    range.drawn_out_lobes = !s.lobe_axes.empty();
-    range.coloured_lobes = range.drawn_out_lobes || !s.lobe_colour.empty();
+    range.anisotropic_specular = !s.lobe_axes.empty();
+    range.coloured_specular = range.anisotropic_specular || !s.specular_colour.empty();
     return range;
 }
 
@@ -207,7 +208,7 @@ Texel packed(const Material& m, const TexelRange& r) {
                      std::clamp<double>(height, 0.0, 1.0) * static_cast<double>(l.height.largest) + 0.5));
     float specular = m.specular;
     if constexpr (l.largest.largest > 0) {  // means of several colours may have no channel of 1
-        const Rgb& colour = m.lobe_colour;
+        const Rgb& colour = m.specular_colour;
         const int largest = colour.r >= colour.g && colour.r >= colour.b ? 0 : colour.g >= colour.b ? 1 : 2;
         const float most = std::max(colour[largest], 1e-6f);
         specular *= most;
@@ -238,8 +239,8 @@ Material unpacked(const Texel& t, const TexelRange& r) {
     m.confidence = l.confidence.in(t);
     if constexpr (l.largest.largest > 0) {
         const auto largest = static_cast<int>(l.largest.number(t));
-        m.lobe_colour[(largest + 1) % 3] = l.after.in(t);
-        m.lobe_colour[(largest + 2) % 3] = l.before.in(t);
+        m.specular_colour[(largest + 1) % 3] = l.after.in(t);
+        m.specular_colour[(largest + 2) % 3] = l.before.in(t);
     }
     if constexpr (l.stretch_x.largest > 0)
         m.stretch = {stretch_of_code(l.stretch_x.number(t)), stretch_of_code(l.stretch_y.number(t))};
@@ -263,7 +264,7 @@ Material material_at(const Surface& s, int x, int y) {
             s.roughness(x, y),
             s.height_mm(x, y),
             s.confidence(x, y),
-            s.lobe_colour.empty() ? Rgb(1) : s.lobe_colour(x, y),
+            s.specular_colour.empty() ? Rgb(1) : s.specular_colour(x, y),
             s.lobe_axes.empty() ? Stretch(0) : stretch_of(s.lobe_axes(x, y), s.roughness(x, y))};
 }
 
@@ -344,7 +345,7 @@ void TexelTiles::update(const Region& region, const std::function<Material(int, 
     for (int level = 1; level < levels(); ++level) {
         const LevelSize below = level_size(width_, height_, level - 1);
         make(level, region_at(level, region), [&](int x, int y) {
-            MeanMaterial mean(range_.drawn_out_lobes);
+            MeanMaterial mean(range_.anisotropic_specular);
             for (int sy = 2 * y; sy < std::min(2 * y + 2, below.height); ++sy)
                 for (int sx = 2 * x; sx < std::min(2 * x + 2, below.width); ++sx)
                     mean.add(unpack(at(sx, sy, level - 1), range_));

@@ -12,7 +12,7 @@
 //      after its largest 7 bits
 //   w  confidence 6 bits; the largest channel 2 bits; the colour in the channel before it 7 bits; height 17
 //   bits
-// and where lobes are drawn out (whether or not they have colours):
+// and where lobes are anisotropic (whether or not they have colours):
 //   x  normal: u 13 bits, v 12 bits; the lobe's colour in the channel before its largest 7 bits
 //   y  rho_d: 10, 10 and 9 bits; confidence 3 bits
 //   z  sqrt(rho_s / specular_max) 11 bits; (log2(alpha) + 14) / 20 12 bits; the colour in the channel after
@@ -22,8 +22,8 @@
 // Levels of detail keep gloss (after Toksvig 2005 and Olano & Baker 2010, "LEAN mapping"): a texel of 2^l x
 // 2^l pixels has their mean normal, and the spread of their slopes goes into its lobe: alpha is the rms
 // slope, so alpha^2 = mean of (alpha^2 + slope^2) - slope of the mean^2, pixels weighted by rho_s; where
-// lobes are drawn out, all of it are matrices of slopes' covariances. What a mean normal lacks in length goes
-// into rho_d: uneven paint is a little darker from afar.
+// lobes are anisotropic, all of it are matrices of slopes' covariances. What a mean normal lacks in length
+// goes into rho_d: uneven paint is a little darker from afar.
 #pragma once
 
 #include <array>
@@ -46,8 +46,8 @@ using Texel = std::array<std::uint32_t, 4>;
 struct TexelRange {
     float diffuse_max = 1, specular_max = 0.25f;
     float height_min_mm = 0, height_max_mm = 1;
-    bool coloured_lobes = false;   // texels have colours of lobes
-    bool drawn_out_lobes = false;  // ... and stretches as well
+    bool coloured_specular = false;     // texels have colours of lobes
+    bool anisotropic_specular = false;  // ... and stretches as well
 };
 
 // Of this surface, with room for paint of `paint_mm` on it.
@@ -58,7 +58,7 @@ struct Material {
     Vec3 normal{0, 0, 1};
     Rgb diffuse{0};
     float specular = 0, roughness = 1, height_mm = 0, confidence = 0;
-    Rgb lobe_colour{1};
+    Rgb specular_colour{1};
     Stretch stretch{0};
 };
 

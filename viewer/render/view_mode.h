@@ -12,7 +12,7 @@
 namespace tangi {
 
 // As MODE in shaders/painting.frag.glsl.
-enum class LookMode {
+enum class ViewMode {
     painting,
     specular_enhancement,  // Malzbender et al. 2001: matt colour down, an even sharp gloss everywhere
     diffuse_gain,          // the same: shading falls off more steeply
@@ -26,21 +26,22 @@ enum class LookMode {
     curvature
 };
 
-struct LookName {
-    LookMode mode;
+struct ViewModeName {
+    ViewMode mode;
     const char* name;
 };
-inline constexpr std::array<LookName, 11> kLooks = {{{LookMode::painting, "Painting"},
-                                                     {LookMode::specular_enhancement, "Specular enhancement"},
-                                                     {LookMode::diffuse_gain, "Diffuse gain"},
-                                                     {LookMode::unsharp_normals, "Unsharp normals"},
-                                                     {LookMode::height, "Height"},
-                                                     {LookMode::roughness, "Roughness α"},
-                                                     {LookMode::specular, "Specular ρs"},
-                                                     {LookMode::confidence, "Confidence"},
-                                                     {LookMode::normals, "Normals"},
-                                                     {LookMode::diffuse, "Diffuse colour ρd"},
-                                                     {LookMode::curvature, "Curvature"}}};
+inline constexpr std::array<ViewModeName, 11> kViewModes = {
+    {{ViewMode::painting, "Painting"},
+     {ViewMode::specular_enhancement, "Specular enhancement"},
+     {ViewMode::diffuse_gain, "Diffuse gain"},
+     {ViewMode::unsharp_normals, "Unsharp normals"},
+     {ViewMode::height, "Height"},
+     {ViewMode::roughness, "Roughness α"},
+     {ViewMode::specular, "Specular ρs"},
+     {ViewMode::confidence, "Confidence"},
+     {ViewMode::normals, "Normals"},
+     {ViewMode::diffuse, "Diffuse colour ρd"},
+     {ViewMode::curvature, "Curvature"}}};
 
 // [linear] As the shader has it: dark blue over green to yellow, even in lightness.
 inline Rgb false_colour(float t) {
@@ -59,9 +60,9 @@ enum class Shadows {
 };
 
 struct Scene {
-    std::vector<Light> lights{};  // in the surface's frame; at most 8
-    ReflectanceLaw law{};         // of the painting
-    Rig rig{};                    // its ambient light and bend; its camera is not used
+    std::vector<Light> lights{};           // in the surface's frame; at most 8
+    ReflectanceModel reflectance_model{};  // of the painting
+    Rig rig{};                             // its ambient light and bend; its camera is not used
     WardModel model = WardModel::bounded;
     Shadows shadows = Shadows::none;
     double light_radius_deg = 0.25;
@@ -69,7 +70,7 @@ struct Scene {
     glm::mat3 exposure{1};  // of the linear picture
     float shoulder = 0;     // [1] part of the scale up to white that is bent; 0 = clips at white
     Rgb background{0.02f};  // [linear]
-    LookMode mode = LookMode::painting;
+    ViewMode mode = ViewMode::painting;
     float strength = 1;    // of the modes that enhance
     float sharpness = 40;  // exponent of the enhanced gloss; coarseness [levels] of unsharp normals
     float lowest_mm = 0, highest_mm = 1;  // of the height's false colours

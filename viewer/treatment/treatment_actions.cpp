@@ -10,7 +10,7 @@
 #include "retouch/treatment/treatment_area.h"
 #include "retouch/treatment/treatment_picture.h"
 #include "surface/base/error.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -41,13 +41,13 @@ std::string all_of_warnings(const json& result) {
 
 }  // namespace
 
-void TreatmentDesk::take() {
-    Treating& t = state_.treating;
+void TreatmentController::take() {
+    TreatmentState& t = state_.treatment_state;
     if (job_ && job_is_ours_) {
         t.ask.open_dialog = t.ask.report_dialog = false;  // they are open
         return;
     }
-    const Treating::Ask ask = std::exchange(t.ask, {});
+    const TreatmentState::Ask ask = std::exchange(t.ask, {});
     const std::vector<MaskTouch> touches = std::exchange(t.touches, {});
     if (!painter_) return;
     if (ask.stop && job_) job_->stop();
@@ -78,21 +78,21 @@ void TreatmentDesk::take() {
     steps(ask);
 }
 
-void TreatmentDesk::steps(const Treating::Ask& ask) {
+void TreatmentController::steps(const TreatmentState::Ask& ask) {
     if (ask.fill) fill();
     if (ask.isolate || ask.varnish) varnish(ask.isolate);
     if (ask.preview) preview();
     if (ask.apply && preview_) apply();
     if (ask.drop_preview && preview_) {
         preview_.reset();
-        state_.treating.preview.reset();
+        state_.treatment_state.preview.reset();
         painter_->show_as({});
     }
     if (ask.undo_step) undo_last();
     if (!ask.remove.empty()) remove({ask.remove});
     if (ask.remove_all) {
         std::vector<std::string> all;
-        for (const LayerRow& layer : state_.treating.layers) all.push_back(layer.name);
+        for (const LayerRow& layer : state_.treatment_state.layers) all.push_back(layer.name);
         remove(all);
     }
     if (ask.compare_states) compare_states();
@@ -104,12 +104,12 @@ void TreatmentDesk::steps(const Treating::Ask& ask) {
     change_pairs(ask);
     if (ask.match_around) match({});
     if (ask.match_at) match(ask.match_at);
-    if (ask.report_wanted && all_is_logged()) state_.treating.ask.report_dialog = true;
+    if (ask.report_wanted && all_is_logged()) state_.treatment_state.ask.report_dialog = true;
     if (!ask.report.empty() && all_is_logged()) report(ask.report);
 }
 
 // In a folder beside the painting, which is opened.
-void TreatmentDesk::begin() {
+void TreatmentController::begin() {
     const fs::path painting = painter_->file();
     fs::path folder = painting;
     folder.replace_extension(".treatment");
@@ -124,10 +124,10 @@ void TreatmentDesk::begin() {
     std::optional<double> scale;
     if (state_.scale_known)
         scale = painter_->mm_per_pixel();
-    else if (state_.treating.width_mm > 0)
-        scale = static_cast<double>(state_.treating.width_mm) / state_.painting.width;
-    if (!scale && !state_.treating.scale_asked) {
-        state_.treating.scale_asked = true;
+    else if (state_.treatment_state.width_mm > 0)
+        scale = static_cast<double>(state_.treatment_state.width_mm) / state_.painting.width;
+    if (!scale && !state_.treatment_state.scale_asked) {
+        state_.treatment_state.scale_asked = true;
         setup_.say(
             "the painting's scale is unknown, and a treatment keeps the scale that it began with: give the "
             "width under Treatment, at the left; begun once more without, it has pixels instead of mm");
@@ -146,7 +146,7 @@ void TreatmentDesk::begin() {
 }
 
 // Changes the canvas on the painter's thread, so that no stroke is lost, and writes it down.
-void TreatmentDesk::step(std::string title, Step work) {
+void TreatmentController::step(std::string title, Step work) {
     if (state_.painter.unsaved) {
         setup_.say("first enter in the log what was painted: Ctrl+S");
         return;
@@ -166,10 +166,10 @@ void TreatmentDesk::step(std::string title, Step work) {
                   .get();
               Facts facts = facts_of(treatment(), canvas_of(*painter));
               return [this, said = std::move(said), facts = std::move(facts)]() mutable {
-                  state_.treating.state.reset();
+                  state_.treatment_state.state.reset();
                   state_shown_.reset();
-                  state_.treating.map = false;    // what was done is to be seen
-                  state_.comparing.pair.reset();  // pictures of what was before
+                  state_.treatment_state.map = false;  // what was done is to be seen
+                  state_.comparing.pair.reset();       // pictures of what was before
                   state_.comparing.on = state_.comparing.loaded && state_.comparing.on;
                   adopt(std::move(facts));
                   setup_.say(said);
@@ -177,8 +177,8 @@ void TreatmentDesk::step(std::string title, Step work) {
           });
 }
 
-void TreatmentDesk::fill() {
-    const Treating& t = state_.treating;
+void TreatmentController::fill() {
+    const TreatmentState& t = state_.treatment_state;
     step("filling", [where = t.where, texture = t.texture,
                      colour = Transfer{Transfer::Kind::srgb}.decode(t.fill_srgb), options = t.fill,
                      who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
@@ -193,8 +193,8 @@ void TreatmentDesk::fill() {
     });
 }
 
-void TreatmentDesk::varnish(bool isolating) {
-    const Treating& t = state_.treating;
+void TreatmentController::varnish(bool isolating) {
+    const TreatmentState& t = state_.treatment_state;
     step(isolating ? "isolating" : "varnishing",
          [isolating, where = t.where, options = isolating ? t.isolating : t.varnish, who = author()](
              Treatment& treatment, Canvas& canvas, const Progress& progress) {
@@ -206,7 +206,7 @@ void TreatmentDesk::varnish(bool isolating) {
          });
 }
 
-void TreatmentDesk::remove(const std::vector<std::string>& layers) {
+void TreatmentController::remove(const std::vector<std::string>& layers) {
     step("taking off",
          [layers, who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
              remove_step(treatment, canvas, layers, who, progress);
@@ -217,8 +217,8 @@ void TreatmentDesk::remove(const std::vector<std::string>& layers) {
          });
 }
 
-void TreatmentDesk::undo_last() {
-    if (state_.treating.edits > 0) {
+void TreatmentController::undo_last() {
+    if (state_.treatment_state.edits > 0) {
         setup_.say("first enter the corrections of the map in the log, or drop them");
         return;
     }
@@ -233,8 +233,8 @@ void TreatmentDesk::undo_last() {
     });
 }
 
-void TreatmentDesk::preview() {
-    Treating& t = state_.treating;
+void TreatmentController::preview() {
+    TreatmentState& t = state_.treatment_state;
     if (state_.painter.unsaved) {
         setup_.say("first enter in the log what was painted: Ctrl+S");
         return;
@@ -285,24 +285,24 @@ void TreatmentDesk::preview() {
                   std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer});
               return [this, made, shown = std::move(shown)]() mutable {
                   preview_ = made;
-                  state_.treating.preview = std::move(shown);
-                  state_.treating.map = false;
+                  state_.treatment_state.preview = std::move(shown);
+                  state_.treatment_state.map = false;
                   painter_->show_as([made](const Canvas&) { return made->canvas; });
               };
           });
 }
 
-void TreatmentDesk::apply() {
+void TreatmentController::apply() {
     if (job_) {
         setup_.say(fmt::format("first stop, or wait for: {}", job_->title()));
         return;
     }
-    if (state_.treating.preview->made_with != preview_made_with()) {
+    if (state_.treatment_state.preview->made_with != preview_made_with()) {
         setup_.say("the settings have been changed since the retouch was laid: preview it again");
         return;
     }
     const auto made = std::exchange(preview_, {});
-    state_.treating.preview.reset();
+    state_.treatment_state.preview.reset();
     painter_->show_as({});
     step("entering the retouch in the log", [made, who = author()](Treatment& treatment, Canvas& canvas,
                                                                    const Progress& progress) {
@@ -321,12 +321,12 @@ void TreatmentDesk::apply() {
 }
 
 // A report is of what is in the log: says what is not.
-bool TreatmentDesk::all_is_logged() {
+bool TreatmentController::all_is_logged() {
     if (state_.left_over_strokes > 0)
         setup_.say("first recover the strokes that were not saved, or put them aside: no report has them");
     else if (state_.painter.unsaved)
         setup_.say("first enter in the log what was painted: Ctrl+S; no report has it before");
-    else if (state_.treating.edits > 0)
+    else if (state_.treatment_state.edits > 0)
         setup_.say(
             "first enter the corrections of the map in the log (Ctrl+K), or drop them: no report has them "
             "before");
@@ -335,7 +335,7 @@ bool TreatmentDesk::all_is_logged() {
     return false;
 }
 
-void TreatmentDesk::report(const fs::path& html) {
+void TreatmentController::report(const fs::path& html) {
     start("writing the report", [this, html, tool = setup_.author.tool](const Progress& progress) -> Finish {
         const auto files = write_treatment_report(treatment(), html, tool, progress);
         return [this, html, count = files.size()] {

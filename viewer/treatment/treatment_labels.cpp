@@ -1,5 +1,5 @@
 // treatment_labels.cpp: how things of a treatment are called in the window.
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -25,8 +25,8 @@ std::string in_panel_words(const std::string& text) {
     return words;
 }
 
-std::string TreatmentDesk::no_strokes() const {
-    const Treating& t = state_.treating;
+std::string TreatmentController::no_strokes() const {
+    const TreatmentState& t = state_.treatment_state;
     if (!t.on) return {};
     if (gone_) return "the treatment's folder is not where it was: put it back, or open it anew";
     if (t.checking) return "the treatment is being checked";
@@ -54,7 +54,7 @@ const char* title_of(LayerRole role) {
     return titles[static_cast<std::size_t>(role)];
 }
 
-const char* title_of(TreatmentState state) {
+const char* title_of(TreatmentStage state) {
     constexpr std::array<const char*, 5> titles = {"Before", "Cleaned", "Filled", "Retouched", "Varnished"};
     return titles[static_cast<std::size_t>(state)];
 }

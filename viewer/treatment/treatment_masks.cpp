@@ -5,7 +5,7 @@
 
 #include "retouch/treatment/treatment_area.h"
 #include "surface/base/error.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -48,16 +48,16 @@ std::vector<double> mean_confidence(const MaskRegions& regions, const Image<floa
 }  // namespace
 
 // That of the class that is drawn: begun with what the class has.
-MaskDraft& TreatmentDesk::draft() {
-    const DamageClass damage = state_.treating.current;
+MaskDraft& TreatmentController::draft() {
+    const DamageClass damage = state_.treatment_state.current;
     auto found = drafts_.find(damage);
     if (found == drafts_.end()) found = drafts_.emplace(damage, MaskDraft(treatment().mask(damage))).first;
     return found->second;
 }
 
-void TreatmentDesk::changed(const Region& region) {
+void TreatmentController::changed(const Region& region) {
     if (region.empty()) return;
-    const DamageClass damage = state_.treating.current;
+    const DamageClass damage = state_.treatment_state.current;
     map_.set(damage, drafts_.at(damage).mask(), region);
     const Region r = map_.compose(style_, region);
     map_changed_ = map_changed_.empty()
@@ -67,8 +67,8 @@ void TreatmentDesk::changed(const Region& region) {
     count_edits();
 }
 
-void TreatmentDesk::count_edits() {
-    Treating& t = state_.treating;
+void TreatmentController::count_edits() {
+    TreatmentState& t = state_.treatment_state;
     t.edits = 0;
     for (const auto& [damage, draft] : drafts_) t.edits += draft.actions();
     const auto own = drafts_.find(t.current);
@@ -79,8 +79,8 @@ void TreatmentDesk::count_edits() {
         count_corrected();
 }
 
-void TreatmentDesk::touch(const MaskTouch& touch) {
-    Treating& t = state_.treating;
+void TreatmentController::touch(const MaskTouch& touch) {
+    TreatmentState& t = state_.treatment_state;
     if (!t.usable) return;
     t.map = t.damage[static_cast<std::size_t>(t.current)].shown = true;  // else one would draw blindly
     t.additions = false;
@@ -127,7 +127,7 @@ void TreatmentDesk::touch(const MaskTouch& touch) {
     }
 }
 
-void TreatmentDesk::polygon(const Polygon& corners, MaskEdit edit) {
+void TreatmentController::polygon(const Polygon& corners, MaskEdit edit) {
     MaskDraft& mask = draft();
     Mask area;
     try {
@@ -143,8 +143,8 @@ void TreatmentDesk::polygon(const Polygon& corners, MaskEdit edit) {
     changed(region);
 }
 
-void TreatmentDesk::wand_at(const MaskTouch& touch) {
-    const Treating& t = state_.treating;
+void TreatmentController::wand_at(const MaskTouch& touch) {
+    const TreatmentState& t = state_.treatment_state;
     const int x = static_cast<int>(touch.at.x), y = static_cast<int>(touch.at.y);
     const auto tolerance = static_cast<double>(t.tolerance[static_cast<std::size_t>(t.wand_by)]);
     start("the wand",
@@ -152,7 +152,7 @@ void TreatmentDesk::wand_at(const MaskTouch& touch) {
            damage = t.current](const Progress&) -> Finish {
               Mask area = wand(*dry, x, y, by, tolerance);
               return [this, area = std::move(area), erase, damage] {
-                  state_.treating.current = damage;
+                  state_.treatment_state.current = damage;
                   MaskDraft& mask = draft();
                   mask.begin();
                   const Region region = mask.combine(area, erase ? MaskEdit::remove : MaskEdit::add);
@@ -163,19 +163,19 @@ void TreatmentDesk::wand_at(const MaskTouch& touch) {
 }
 
 // Of the class that is drawn, as the legend has it.
-void TreatmentDesk::count_corrected() {
-    const DamageClass damage = state_.treating.current;
-    DamageRow& row = *std::ranges::find(state_.treating.damage, damage, &DamageRow::damage);
+void TreatmentController::count_corrected() {
+    const DamageClass damage = state_.treatment_state.current;
+    DamageRow& row = *std::ranges::find(state_.treatment_state.damage, damage, &DamageRow::damage);
     const auto own = drafts_.find(damage);
     row.corrected.reset();
     if (own == drafts_.end() || !own->second.can_undo()) return;
-    const MaskArea area = area_of(own->second.mask(), state_.treating.mm_per_pixel);
+    const MaskArea area = area_of(own->second.mask(), state_.treatment_state.mm_per_pixel);
     row.corrected = {area.regions, area.mm2 / 100, area.percent};
 }
 
 // Each class that was corrected is a step.
-void TreatmentDesk::keep_edits() {
-    const Treating& t = state_.treating;
+void TreatmentController::keep_edits() {
+    const TreatmentState& t = state_.treatment_state;
     std::vector<std::pair<DamageClass, MaskDraft>> edited;
     for (const auto& [damage, draft] : drafts_) {
         if (!draft.can_undo()) continue;
@@ -211,8 +211,8 @@ void TreatmentDesk::keep_edits() {
           });
 }
 
-void TreatmentDesk::keep_now() {
-    if (!held_ || state_.treating.edits == 0) return;
+void TreatmentController::keep_now() {
+    if (!held_ || state_.treatment_state.edits == 0) return;
     try {
         const std::lock_guard lock(held_->mutex);
         while (!drafts_.empty()) {
@@ -228,16 +228,16 @@ void TreatmentDesk::keep_now() {
     count_edits();
 }
 
-void TreatmentDesk::drop_edits() {
+void TreatmentController::drop_edits() {
     last_.reset();
     for (const auto& [damage, draft] : std::exchange(drafts_, {})) map_.set(damage, treatment().mask(damage));
     map_changed_ = map_.compose(style_);
     count_edits();
 }
 
-void TreatmentDesk::suggest_areas_into(Suggested& s, ShownSuggestion& shown, DamageClass damage,
-                                       const Surface& dry, double mm, AreaOptions options,
-                                       const Progress& progress) {
+void TreatmentController::suggest_areas_into(Suggested& s, ShownSuggestion& shown, DamageClass damage,
+                                             const Surface& dry, double mm, AreaOptions options,
+                                             const Progress& progress) {
     options.area_confidence = std::min(options.area_confidence, kLeastSure);  // the slider goes on from there
     AreaSuggestion areas = tangi::suggest_areas(dry, mm, damage, options, progress);
     s.action = name_of(damage);
@@ -253,8 +253,8 @@ void TreatmentDesk::suggest_areas_into(Suggested& s, ShownSuggestion& shown, Dam
     s.best = std::move(areas);
 }
 
-void TreatmentDesk::suggest() {
-    Treating& t = state_.treating;
+void TreatmentController::suggest() {
+    TreatmentState& t = state_.treatment_state;
     const Suggesting what = t.suggesting;
     constexpr std::array<const char*, 8> titles = {
         "looking for losses",    "looking for craquelure", "looking for other gloss", "looking for old fills",
@@ -307,11 +307,11 @@ void TreatmentDesk::suggest() {
               if (what == Suggesting::craquelure || what == Suggesting::gloss) shown.threshold = 0;
               return [this, s = std::move(s), shown = std::move(shown)]() mutable {
                   suggested_ = std::move(s);
-                  state_.treating.suggestion = std::move(shown);
-                  state_.treating.map = true;
-                  state_.treating.additions = false;
+                  state_.treatment_state.suggestion = std::move(shown);
+                  state_.treatment_state.map = true;
+                  state_.treatment_state.additions = false;
                   show_suggestion();
-                  if (state_.treating.suggestion->regions == 0)
+                  if (state_.treatment_state.suggestion->regions == 0)
                       setup_.say(
                           "nothing that looks like it was found; the numbers below say how it is looked for");
               };
@@ -319,8 +319,8 @@ void TreatmentDesk::suggest() {
 }
 
 // Regions whose mean confidence reaches the threshold.
-Mask TreatmentDesk::sure_enough() const {
-    const auto threshold = static_cast<double>(state_.treating.suggestion->threshold);
+Mask TreatmentController::sure_enough() const {
+    const auto threshold = static_cast<double>(state_.treatment_state.suggestion->threshold);
     Mask mask(suggested_->best.mask.width(), suggested_->best.mask.height());
     for (std::size_t i = 0; i < mask.size(); ++i) {
         const int number = suggested_->regions.number.pixels()[i];
@@ -330,8 +330,8 @@ Mask TreatmentDesk::sure_enough() const {
     return mask;
 }
 
-void TreatmentDesk::show_suggestion() {
-    ShownSuggestion& shown = *state_.treating.suggestion;
+void TreatmentController::show_suggestion() {
+    ShownSuggestion& shown = *state_.treatment_state.suggestion;
     threshold_ = shown.threshold;
     const Mask mask = sure_enough();
     shown.shown = static_cast<int>(
@@ -343,8 +343,8 @@ void TreatmentDesk::show_suggestion() {
 }
 
 // What was suggested takes the place of what the class has, as the log says.
-void TreatmentDesk::accept() {
-    const ShownSuggestion shown = *state_.treating.suggestion;
+void TreatmentController::accept() {
+    const ShownSuggestion shown = *state_.treatment_state.suggestion;
     if (shown.made_with != suggestion_made_with(shown.what)) {
         setup_.say("how it is looked for has been changed since: suggest again");
         return;
@@ -363,7 +363,7 @@ void TreatmentDesk::accept() {
                                       {"options", suggested_->options},
                                       {"threshold", shown.threshold}},
                        .results = suggested_->results};
-    const bool known = state_.treating.scale_known;
+    const bool known = state_.treatment_state.scale_known;
     const auto keep = [&](const std::string& name, const Mask& mask, const Image<float>& confidence) {
         const MaskArea area = area_of(mask, suggested_->mm_per_pixel);
         step.masks[name] = mask;
@@ -383,10 +383,10 @@ void TreatmentDesk::accept() {
               Facts facts = facts_of(treatment(), canvas_of(*painter));
               return [this, as, facts = std::move(facts)]() mutable {
                   suggested_.reset();
-                  state_.treating.suggestion.reset();
+                  state_.treatment_state.suggestion.reset();
                   map_.set_suggestion({});
                   drafts_.erase(as);
-                  state_.treating.current = as;
+                  state_.treatment_state.current = as;
                   adopt(std::move(facts));
                   setup_.say(fmt::format("in the log: {}", title_of(as)));
               };

@@ -7,7 +7,7 @@
 #include "retouch/inpaint/recipe_json.h"
 #include "surface/base/error.h"
 #include "surface/file/error_message.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -96,11 +96,11 @@ ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::
         shown.mix[palette.paints[static_cast<std::size_t>(r.mixture.paints[i])].name] +=
             static_cast<float>(r.mixture.volumes[i]);
     shown.gloss = gloss_text(gloss_of(r.mixture, palette.paints, xyz_of(r.look, Illuminant::d65).y), wanted);
-    for (std::size_t lamp = 0; lamp < kIlluminants; ++lamp)
-        if (r.metamerism[lamp] > kMetameric)
+    for (std::size_t light = 0; light < kIlluminants; ++light)
+        if (r.metamerism[light] > kMetameric)
             shown.warnings.push_back(
                 fmt::format("metameric: where it matches under D65, it is off by dE2000 {:.1f} under {}",
-                            r.metamerism[lamp], name_of(static_cast<Illuminant>(lamp))));
+                            r.metamerism[light], name_of(static_cast<Illuminant>(light))));
     if (r.error > kPoor)
         shown.warnings.push_back(
             fmt::format("no match: these paints come no nearer than dE2000 {:.1f}", r.error));
@@ -123,7 +123,7 @@ constexpr const char* kPairs = "pigment_pairs.json";
 }  // namespace
 
 // The user's own list, where there is one.
-void TreatmentDesk::read_pairs() {
+void TreatmentController::read_pairs() {
     std::vector<PigmentPair> pairs = usual_pigment_pairs();
     pairs_file_ = SettingsFile(setup_.settings / kPairs);
     try {
@@ -134,30 +134,30 @@ void TreatmentDesk::read_pairs() {
         setup_.say(error.what());  // the usual ones, then
     }
     pairs_ = std::make_shared<const std::vector<PigmentPair>>(std::move(pairs));
-    state_.treating.pairs = *pairs_;
+    state_.treatment_state.pairs = *pairs_;
 }
 
-void TreatmentDesk::change_pairs(const Treating::Ask& ask) {
+void TreatmentController::change_pairs(const TreatmentState::Ask& ask) {
     std::vector<PigmentPair> pairs = *pairs_;
     if (ask.drop_pair >= 0 && ask.drop_pair < static_cast<int>(pairs.size()))
         pairs.erase(pairs.begin() + ask.drop_pair);
     else if (ask.usual_pairs)
         pairs = usual_pigment_pairs();
     else if (ask.add_pair) {
-        const Treating::NewPair& pair = state_.treating.new_pair;
+        const TreatmentState::NewPair& pair = state_.treatment_state.new_pair;
         const auto first = words_in(pair.first), second = words_in(pair.second);
         if (first.empty() || second.empty()) {
             setup_.say("give a word at least for both: as they occur in names of paints");
             return;
         }
         pairs.push_back({first, second, pair.why, author().who});
-        state_.treating.new_pair = {};
+        state_.treatment_state.new_pair = {};
     } else {
         return;
     }
     pairs_ = std::make_shared<const std::vector<PigmentPair>>(pairs);
-    state_.treating.pairs = std::move(pairs);
-    state_.treating.match.reset();  // it was warned by the list before
+    state_.treatment_state.pairs = std::move(pairs);
+    state_.treatment_state.match.reset();  // it was warned by the list before
     if (setup_.settings.empty()) return;
     try {
         std::filesystem::create_directories(setup_.settings);
@@ -170,13 +170,13 @@ void TreatmentDesk::change_pairs(const Treating::Ask& ask) {
 }
 
 // Of the colour round the damage that is worked on, or at a place.
-void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
-    const Treating& t = state_.treating;
+void TreatmentController::match(const std::optional<glm::dvec2>& at) {
+    const TreatmentState& t = state_.treatment_state;
     MatchOptions options;
     options.max_paints = t.most_paints;
-    options.lamps = lamps_that_count();
-    if (options.lamps.empty()) {
-        setup_.say("choose a lamp at least under which the colour is to match");
+    options.illuminants = illuminants_that_count();
+    if (options.illuminants.empty()) {
+        setup_.say("choose a light at least under which the colour is to match");
         return;
     }
     Palette paints = setup_.palette;
@@ -217,9 +217,9 @@ void TreatmentDesk::match(const std::optional<glm::dvec2>& at) {
               for (const MatchedRecipe& r : found.recipes)
                   shown.recipes.push_back(shown_of(r, palette, pairs, sampled.gloss));
               return [this, shown = std::move(shown)]() mutable {
-                  state_.treating.match = std::move(shown);
-                  state_.treating.forward = "Colour";
-                  state_.treating.in_front = true;
+                  state_.treatment_state.match = std::move(shown);
+                  state_.treatment_state.forward = "Colour";
+                  state_.treatment_state.in_front = true;
               };
           });
 }

@@ -3,25 +3,26 @@
 #include <algorithm>
 
 #include "retouch/inpaint/recipe_json.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
 using nlohmann::json;
 
-std::vector<Illuminant> TreatmentDesk::lamps_that_count() const {
-    std::vector<Illuminant> lamps;
-    for (std::size_t lamp = 0; lamp < state_.treating.lamps.size(); ++lamp)
-        if (state_.treating.lamps[lamp]) lamps.push_back(static_cast<Illuminant>(lamp));
-    return lamps;
+std::vector<Illuminant> TreatmentController::illuminants_that_count() const {
+    const auto& counts = state_.treatment_state.illuminants;
+    std::vector<Illuminant> illuminants;
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        if (counts[i]) illuminants.push_back(static_cast<Illuminant>(i));
+    return illuminants;
 }
 
-RetouchOptions TreatmentDesk::retouch_options() const {
-    const Treating& t = state_.treating;
+RetouchOptions TreatmentController::retouch_options() const {
+    const TreatmentState& t = state_.treatment_state;
     RetouchOptions options = t.retouch;
     options.match.max_paints = t.most_paints;
-    options.match.lamps = lamps_that_count();
-    if (options.match.lamps.empty()) options.match.lamps = {Illuminant::d65};
+    options.match.illuminants = illuminants_that_count();
+    if (options.match.illuminants.empty()) options.match.illuminants = {Illuminant::d65};
     if (t.avoid_pairs)
         options.match.allowed =
             without_pairs(setup_.palette.paints.size(), pairs_to_avoid(setup_.palette.paints, *pairs_));
@@ -29,8 +30,8 @@ RetouchOptions TreatmentDesk::retouch_options() const {
 }
 
 // The paints, the damage that is worked on, and the treatment as its log has it.
-json TreatmentDesk::made_on() const {
-    const Treating& t = state_.treating;
+json TreatmentController::made_on() const {
+    const TreatmentState& t = state_.treatment_state;
     json on = {{"palette", setup_.palette.name}, {"pairs", json::array()}};
     for (const Pigment& paint : setup_.palette.paints) on["paints"].push_back(paint.name);
     for (const DamageClass damage : t.where) on["where"].push_back(name_of(damage));
@@ -40,23 +41,23 @@ json TreatmentDesk::made_on() const {
     return on;
 }
 
-std::string TreatmentDesk::preview_made_with() const {
+std::string TreatmentController::preview_made_with() const {
     json with = made_on();
-    with["retouch"] = parameters_of(state_.treating.mode, retouch_options());
+    with["retouch"] = parameters_of(state_.treatment_state.mode, retouch_options());
     return with.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::string TreatmentDesk::match_made_with() const {
-    const Treating& t = state_.treating;
+std::string TreatmentController::match_made_with() const {
+    const TreatmentState& t = state_.treatment_state;
     json with = made_on();
     with["paints_at_most"] = t.most_paints;
-    for (const Illuminant lamp : lamps_that_count()) with["lamps"].push_back(name_of(lamp));
+    for (const Illuminant one : illuminants_that_count()) with["illuminants"].push_back(name_of(one));
     if (t.film) with["film_mm"] = t.retouch.thickness_mm;
     return with.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::string TreatmentDesk::suggestion_made_with(Suggesting what) const {
-    const Treating& t = state_.treating;
+std::string TreatmentController::suggestion_made_with(Suggesting what) const {
+    const TreatmentState& t = state_.treatment_state;
     if (what == Suggesting::loss) return to_json(t.loss).dump();
     if (what == Suggesting::craquelure) return to_json(t.craquelure).dump();
     if (what == Suggesting::gloss) return to_json(t.gloss).dump();
@@ -64,8 +65,8 @@ std::string TreatmentDesk::suggestion_made_with(Suggesting what) const {
 }
 
 // What was made with other settings than there are now is not laid, taken over or taken up unseen.
-void TreatmentDesk::find_stale() {
-    Treating& t = state_.treating;
+void TreatmentController::find_stale() {
+    TreatmentState& t = state_.treatment_state;
     if (t.preview) t.preview->stale = t.preview->made_with != preview_made_with();
     if (t.suggestion)
         t.suggestion->stale = t.suggestion->made_with != suggestion_made_with(t.suggestion->what);

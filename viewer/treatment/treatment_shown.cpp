@@ -5,7 +5,7 @@
 #include "retouch/colour_match/viewing_distance.h"
 #include "retouch/treatment/treatment_picture.h"
 #include "viewer/render/cpu_render.h"
-#include "viewer/treatment/treatment_desk.h"
+#include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
 
@@ -31,11 +31,11 @@ std::shared_ptr<const HeldPhoto> pair_of(const Image<Rgb>& left_srgb, const Imag
 }  // namespace
 
 // The painting as it was in a state, until another is chosen.
-void TreatmentDesk::show_state() {
-    state_shown_ = state_.treating.state;
+void TreatmentController::show_state() {
+    state_shown_ = state_.treatment_state.state;
     if (preview_ && state_shown_) {
         preview_.reset();
-        state_.treating.preview.reset();
+        state_.treatment_state.preview.reset();
     }
     if (preview_) return;
     if (!state_shown_)
@@ -46,22 +46,22 @@ void TreatmentDesk::show_state() {
         });
 }
 
-void TreatmentDesk::hold(const HeldPair& pair) {
+void TreatmentController::hold(const HeldPair& pair) {
     Comparing& c = state_.comparing;
     c.pair = pair;
     c.on = true;
     if (c.way != CompareWay::aside && c.way != CompareWay::blink) c.way = CompareWay::wipe;
 }
 
-void TreatmentDesk::compare_states() {
-    const Treating& t = state_.treating;
+void TreatmentController::compare_states() {
+    const TreatmentState& t = state_.treatment_state;
     // As they are held against each other: not tilted.
     const Placement straight(state_.view, {}, false, state_.painting, state_.painting, state_.mm_per_pixel);
     start("relighting two states",
           [this, painter = painter_, scene = scene_of(state_, straight), left = t.left,
            right = t.right](const Progress& progress) -> Finish {
               const Canvas canvas = canvas_of(*painter);
-              const auto picture = [&](const std::optional<TreatmentState>& state) {
+              const auto picture = [&](const std::optional<TreatmentStage>& state) {
                   return scene_picture(state ? surface_in_state(treatment(), canvas, *state, progress)
                                              : appearance(canvas, {}, progress),
                                        scene, kMostPixels, progress);
@@ -74,8 +74,8 @@ void TreatmentDesk::compare_states() {
 }
 
 // The colours from near, and as they are seen from further away.
-void TreatmentDesk::see_from() {
-    const auto distance_m = static_cast<double>(state_.treating.distance_m);
+void TreatmentController::see_from() {
+    const auto distance_m = static_cast<double>(state_.treatment_state.distance_m);
     start("looking from afar",
           [this, painter = painter_, distance_m, view = preview_](const Progress& p) -> Finish {
               Surface surface = appearance(view ? view->canvas : canvas_of(*painter), {}, p);

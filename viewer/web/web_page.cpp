@@ -112,7 +112,7 @@ json fields(const TexelRange& range) {
 
 json looks() {
     json all = json::array();
-    for (const LookName& look : kLooks) all.push_back(look.name);
+    for (const ViewModeName& look : kViewModes) all.push_back(look.name);
     return all;
 }
 
@@ -144,9 +144,9 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
             {"range",
              {range.diffuse_max, range.specular_max, range.height_min_mm,
               range.height_max_mm - range.height_min_mm}},
-            {"law", {s.law.diffuse_roughness, s.law.haze}},
-            {"coloured_lobes", range.coloured_lobes},
-            {"drawn_out_lobes", range.drawn_out_lobes},
+            {"reflectance_model", {s.reflectance_model.diffuse_roughness, s.reflectance_model.haze}},
+            {"specular_colour", range.coloured_specular},
+            {"anisotropic_specular", range.anisotropic_specular},
             {"levels", web_levels(s.width(), s.height())},
             {"fields", fields(range)},
             {"looks", looks()},

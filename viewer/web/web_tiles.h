@@ -45,7 +45,7 @@ inline constexpr std::array<WebField, 12> kColouredWebFields = {{{0, 0, 16, 14},
                                                                  {3, 6, 2, 2},
                                                                  {3, 8, 7, 7},
                                                                  {3, 15, 17, 16}}};
-// The same where lobes are drawn out.
+// The same where lobes are anisotropic.
 inline constexpr std::array<WebField, 14> kDrawnOutWebFields = {{{0, 0, 13, 13},
                                                                  {0, 13, 12, 12},
                                                                  {0, 25, 7, 7},  // the lobe's colour
@@ -61,8 +61,8 @@ inline constexpr std::array<WebField, 14> kDrawnOutWebFields = {{{0, 0, 13, 13},
                                                                  {3, 8, 8, 8},
                                                                  {3, 16, 16, 16}}};
 inline std::span<const WebField> web_fields(const TexelRange& range) {
-    if (range.drawn_out_lobes) return kDrawnOutWebFields;
-    if (range.coloured_lobes) return kColouredWebFields;
+    if (range.anisotropic_specular) return kDrawnOutWebFields;
+    if (range.coloured_specular) return kColouredWebFields;
     return kWebFields;
 }
 

@@ -60,8 +60,8 @@ TEST(PlaneCalibration, ThePoseOfAPlaneIsThatOfTheCameraThatSawIt) {
     EXPECT_NEAR(pose.stretch, 1.1, 1e-9);
 }
 
-// Lamps are known in the camera's frame, as balls tell them; the picture's frame is the painting's.
-TEST(PlaneCalibration, MarkersRectifyAndCarryLampsAndCameraIntoThePaintingsFrame) {
+// Lights are known in the camera's frame, as spheres tell them; the picture's frame is the painting's.
+TEST(PlaneCalibration, MarkersRectifyAndCarryLightsAndCameraIntoThePaintingsFrame) {
     const View view(0.22, -0.12, 0.04);
     const TestDir dir;
     const std::vector<std::filesystem::path> photos = {photograph(dir, view.homography)};
@@ -101,23 +101,23 @@ TEST(PlaneCalibration, MarkersRectifyAndCarryLampsAndCameraIntoThePaintingsFrame
     CaptureFile capture;
     capture.width = 800, capture.height = 600;
     capture.origin_px = {380, 290};
-    // As calibration from balls has it: the camera straight above the origin's surroundings, in any height.
+    // As calibration from spheres has it: the camera straight above the origin's surroundings, in any height.
     capture.camera_mm = Vec3(12, -7, 530);
     capture.geometry = g;
-    const std::vector<dvec3> lamps = {{300, 100, 400}, {-200, 250, 350}, {50, -300, 500}};  // plane's frame
-    for (const dvec3& lamp : lamps)
+    const std::vector<dvec3> lights = {{300, 100, 400}, {-200, 250, 350}, {50, -300, 500}};  // plane's frame
+    for (const dvec3& light : lights)
         capture.lights.push_back(
-            near_light(*capture.camera_mm + Vec3(view.to_camera * (lamp - view.camera_mm))));
+            near_light(*capture.camera_mm + Vec3(view.to_camera * (light - view.camera_mm))));
     const CaptureFile carried = in_picture(capture);
     EXPECT_EQ(carried.width, g.width);
     EXPECT_EQ(carried.mm_per_pixel, g.mm_per_pixel);
-    for (std::size_t i = 0; i < lamps.size(); ++i) {
-        const dvec3 truth = in_picture_frame(lamps[i] - dvec3(origin, 0));
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const dvec3 truth = in_picture_frame(lights[i] - dvec3(origin, 0));
         ASSERT_TRUE(carried.lights[i].position_mm);
         EXPECT_LT(glm::length(dvec3(*carried.lights[i].position_mm) - truth), 5) << i;
         EXPECT_LT(glm::length(dvec3(carried.lights[i].direction) - glm::normalize(truth)), 0.01) << i;
     }
-    // Distant lamps turn alone.
+    // Distant lights turn alone.
     for (Light& light : capture.lights) light.position_mm.reset();
     capture.lights[0].direction = Vec3(view.to_camera * glm::normalize(dvec3(0.3, 0.2, 0.9)));
     EXPECT_LT(glm::length(dvec3(in_picture(capture).lights[0].direction) -

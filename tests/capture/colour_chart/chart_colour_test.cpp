@@ -14,27 +14,27 @@ using glm::dvec3;
 using testing::Contains;
 using testing::HasSubstr;
 
-// What a lamp at `lamp` (in pitches of the chart, as is z) makes of a patch, 1 at most.
-double lamp_light(std::size_t patch, const dvec3& lamp) {
+// What a light at `light` (in pitches of the chart, as is z) makes of a patch, 1 at most.
+double light_of_its_own(std::size_t patch, const dvec3& light) {
     const dvec3 place(static_cast<double>(patch % 6) + 0.5, static_cast<double>(patch / 6) + 0.5, 0);
-    const dvec3 ray = lamp - place;
+    const dvec3 ray = light - place;
     return 100 * ray.z / std::pow(glm::length(ray), 3);
 }
 
-// A reading of each patch by a camera, in the light of a lamp. Values are exact but for rounding.
-ChartReading reading_of(const ChartReference& reference, const dmat3& camera, const dvec3& lamp,
+// A reading of each patch by a camera, in the light of a light. Values are exact but for rounding.
+ChartReading reading_of(const ChartReference& reference, const dmat3& camera, const dvec3& light,
                         double relative_noise = 0, std::uint64_t seed = 1) {
     Random random(seed);
     ChartReading reading{fmt::format("{}.png", seed), {}};
     for (std::size_t i = 0; i < 24; ++i) {
-        dvec3 value = lamp_light(i, lamp) * (camera * dvec3(reference.patches[i].linear));
+        dvec3 value = light_of_its_own(i, light) * (camera * dvec3(reference.patches[i].linear));
         for (int k = 0; k < 3; ++k) value[k] *= 1 + relative_noise * random.normal();
         reading.patches[i] = {Rgb(value), Rgb(value * relative_noise) + 1e-6f, 400, PatchState::good};
     }
     return reading;
 }
 
-const dvec3 kFarLamp(3, 2, 1e3);
+const dvec3 kFarLight(3, 2, 1e3);
 
 std::vector<ChartReading> several(double noise = 0) {
     std::vector<ChartReading> photos;
@@ -47,7 +47,7 @@ std::vector<ChartReading> several(double noise = 0) {
 }
 
 TEST(ChartColour, IsExactWhereTheCameraIsAMatrix) {
-    const std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLamp)};
+    const std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLight)};
     const ColourCorrection c = correct_colours(photos, classic_chart(), {});
     ASSERT_TRUE(c.matrix_solved);
     EXPECT_EQ(c.patches_used, 24);
@@ -57,7 +57,7 @@ TEST(ChartColour, IsExactWhereTheCameraIsAMatrix) {
     const ColourCorrection open = correct_colours(photos, classic_chart(), {.neutral_cost = 0});
     EXPECT_FALSE(open.neutral_kept);
     EXPECT_LT(open.after.maximum, 2e-3);
-    EXPECT_LT(open.left_out.maximum, 5e-3);
+    EXPECT_LT(open.cross_validated.maximum, 5e-3);
     // The matrix is the camera's inverse, up to brightness.
     const dmat3 product = open.total() * kTestCamera;
     for (int i = 0; i < 3; ++i)
@@ -87,13 +87,13 @@ TEST(ChartColour, KeepsGreysGreyAndBrightness) {
 
 TEST(ChartColour, DoesNotMindUnevenLight) {
     // Twice as bright on one side as on the other.
-    const dvec3 lamp(-5, 2, 9);
-    ASSERT_GT(lamp_light(6, lamp) / lamp_light(11, lamp), 2);
-    const std::vector<ChartReading> one = {reading_of(classic_chart(), kTestCamera, lamp)};
+    const dvec3 light(-5, 2, 9);
+    ASSERT_GT(light_of_its_own(6, light) / light_of_its_own(11, light), 2);
+    const std::vector<ChartReading> one = {reading_of(classic_chart(), kTestCamera, light)};
     const ColourCorrection c = correct_colours(one, classic_chart());
     EXPECT_EQ(c.light_degree, 2);
     EXPECT_LT(c.after.mean, 0.5);
-    EXPECT_LT(c.left_out.mean, 0.7);
+    EXPECT_LT(c.cross_validated.mean, 0.7);
     EXPECT_GT(correct_colours(one, classic_chart(), {.light_degree = 1}).after.mean, c.after.mean);
     EXPECT_LT(correct_colours(several(), classic_chart()).after.mean, 0.2);
 }
@@ -106,11 +106,11 @@ TEST(ChartColour, IsMoreCertainFromMorePhotographs) {
             std::vector<ChartReading> photos;
             for (std::uint64_t i = 0; i < count; ++i)
                 photos.push_back(
-                    reading_of(classic_chart(), kTestCamera, kFarLamp, 0.02, 100 * trial + i + 1));
+                    reading_of(classic_chart(), kTestCamera, kFarLight, 0.02, 100 * trial + i + 1));
             const ColourCorrection c = correct_colours(photos, classic_chart(), {.light_degree = 1});
-            EXPECT_GT(c.left_out.mean, c.after.mean);
+            EXPECT_GT(c.cross_validated.mean, c.after.mean);
             EXPECT_GT(c.before.mean, c.after.mean);
-            sum += c.left_out.mean;
+            sum += c.cross_validated.mean;
         }
         errors.push_back(sum / 5);
     }
@@ -137,14 +137,14 @@ TEST(ChartColour, TakesAReferenceThatIsALittleOffForNoShadow) {
     made.patches[23].linear *= 1.25f;  // a black that is not as black as it should be
     std::vector<ChartReading> photos;
     for (std::uint64_t i = 0; i < 4; ++i)
-        photos.push_back(reading_of(made, kTestCamera, kFarLamp, 0.002, i + 1));
+        photos.push_back(reading_of(made, kTestCamera, kFarLight, 0.002, i + 1));
     const ColourCorrection c = correct_colours(photos, classic_chart());
     EXPECT_THAT(c.warnings, testing::IsEmpty());
     EXPECT_EQ(c.lights.photos[23], 4);
 }
 
 TEST(ChartColour, WithTooFewPatchesIsWhiteBalanceOnly) {
-    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLamp)};
+    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLight)};
     for (std::size_t i = 0; i < 24; ++i)
         if (i < 16) photos[0].patches[i].state = PatchState::clipped;
     const ColourCorrection c = correct_colours(photos, classic_chart());
@@ -160,7 +160,7 @@ TEST(ChartColour, WithTooFewPatchesIsWhiteBalanceOnly) {
 }
 
 TEST(ChartColour, WithJustEnoughPatchesHasAMatrixButNoPrediction) {
-    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLamp)};
+    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLight)};
     const std::vector<std::size_t> kept = {0, 2, 5, 12, 13, 14, 15, 19, 21};
     for (std::size_t i = 0; i < 24; ++i)
         if (std::find(kept.begin(), kept.end(), i) == kept.end())
@@ -169,23 +169,23 @@ TEST(ChartColour, WithJustEnoughPatchesHasAMatrixButNoPrediction) {
     EXPECT_TRUE(c.matrix_solved);
     EXPECT_EQ(c.patches_used, 9);
     EXPECT_LT(c.after.mean, 0.05);
-    EXPECT_TRUE(std::isnan(c.left_out.mean));
-    EXPECT_EQ(to_json(c, classic_chart())["delta_e_2000"]["left_out"], nullptr);
+    EXPECT_TRUE(std::isnan(c.cross_validated.mean));
+    EXPECT_EQ(to_json(c, classic_chart())["delta_e_2000"]["cross_validated"], nullptr);
     // One more is enough for one.
     photos[0].patches[8].state = PatchState::good;
-    EXPECT_GE(correct_colours(photos, classic_chart()).left_out.mean, 0);
+    EXPECT_GE(correct_colours(photos, classic_chart()).cross_validated.mean, 0);
 }
 
 TEST(ChartColour, OfAGreyCameraIsWhiteBalanceOnly) {
     const dmat3 grey(0.2, 0.2, 0.2, 0.7, 0.7, 0.7, 0.1, 0.1, 0.1);
-    const std::vector<ChartReading> photos = {reading_of(classic_chart(), grey, kFarLamp, 0.005)};
+    const std::vector<ChartReading> photos = {reading_of(classic_chart(), grey, kFarLight, 0.005)};
     const ColourCorrection c = correct_colours(photos, classic_chart());
     EXPECT_FALSE(c.matrix_solved);
     EXPECT_THAT(c.warnings, Contains(HasSubstr("only white balance was solved")));
 }
 
 TEST(ChartColour, WithoutAnyPatchIsAnError) {
-    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLamp)};
+    std::vector<ChartReading> photos = {reading_of(classic_chart(), kTestCamera, kFarLight)};
     for (PatchReading& p : photos[0].patches) p.state = PatchState::outside;
     EXPECT_THAT(error_of([&] { correct_colours(photos, classic_chart()); }),
                 HasSubstr("no patch of the colour chart"));
@@ -199,11 +199,11 @@ TEST(ChartColour, OfAPhotographWithFewPatchesIsLeftOut) {
     for (std::size_t i = 3; i < 24; ++i) photos[1].patches[i].state = PatchState::outside;
     const ColourCorrection c = correct_colours(photos, classic_chart());
     EXPECT_FALSE(c.lights.lights[1].known);
-    EXPECT_THAT(c.warnings, Contains(HasSubstr("2.png: only 3 patches of the chart can be used; left out")));
+    EXPECT_THAT(c.warnings, Contains(HasSubstr("2.png: only 3 patches of the chart can be used; rejected")));
     EXPECT_EQ(c.lights.photos[10], 5);
 }
 
-TEST(ChartColour, OfAPhotographWhoseLampFailedIsLeftOut) {
+TEST(ChartColour, OfAPhotographWhoseLightFailedIsLeftOut) {
     std::vector<ChartReading> photos = several(0.003);
     const ColourCorrection without =
         correct_colours(std::vector(photos.begin() + 1, photos.end()), classic_chart());
@@ -310,37 +310,37 @@ TEST(DataChartColour, IsGoodOnHandheld) {
     EXPECT_GT(c.before.mean, 4);
     EXPECT_LT(c.after.mean, 0.05);
     EXPECT_LT(c.after.maximum, 0.2);
-    EXPECT_LT(c.left_out.mean, 0.06);
+    EXPECT_LT(c.cross_validated.mean, 0.06);
     EXPECT_THAT(levels_of(c), testing::ElementsAre("4 stars", "Full", "A"));
     fmt::print(
         "handheld, 24 photographs: before {:.2f} (max {:.2f}), after {:.3f} (max {:.3f}, 90th {:.3f}), left "
         "out "
         "{:.3f}, neutral {:.2f}, free matrix better by {:.3f}, light of degree {}, residual {:.4f}\n",
         c.before.mean, c.before.maximum, c.after.mean, c.after.maximum, c.after.percentile_90,
-        c.left_out.mean, c.neutral_error, c.neutral_gain, c.light_degree, c.lights.residual);
+        c.cross_validated.mean, c.neutral_error, c.neutral_gain, c.light_degree, c.lights.residual);
     // Against the classic values, which differ from those rendered by 1.2 in the mean.
     const ColourCorrection classic = correct_colours(photos, classic_chart());
-    fmt::print("against the classic values: after {:.3f}, left out {:.3f}\n", classic.after.mean,
-               classic.left_out.mean);
+    fmt::print("against the classic values: after {:.3f}, rejected {:.3f}\n", classic.after.mean,
+               classic.cross_validated.mean);
     EXPECT_LT(classic.after.mean, 1.2);
 }
 
 TEST(DataChartColour, IsGoodOnAnyOneOfHandheld) {
     TP_DATA(folder, "handheld");
     const ChartReference reference = read_chart_reference(folder / "chart_reference.json");
-    double worst = 0, sum = 0, worst_left_out = 0;
+    double worst = 0, sum = 0, worst_validation = 0;
     const std::vector<ChartReading> photos = handheld_readings(folder, 24);
     for (const ChartReading& photo : photos) {
         const ColourCorrection c = correct_colours({&photo, 1}, reference);
         worst = std::max(worst, c.after.mean);
-        worst_left_out = std::max(worst_left_out, c.left_out.mean);
+        worst_validation = std::max(worst_validation, c.cross_validated.mean);
         sum += c.after.mean / static_cast<double>(photos.size());
     }
     fmt::print(
-        "handheld, one photograph: after {:.3f} on average, {:.3f} at worst, left out {:.3f} at worst\n", sum,
-        worst, worst_left_out);
+        "handheld, one photograph: after {:.3f} on average, {:.3f} at worst, rejected {:.3f} at worst\n", sum,
+        worst, worst_validation);
     EXPECT_LT(worst, 0.3);
-    EXPECT_LT(worst_left_out, 0.4);
+    EXPECT_LT(worst_validation, 0.4);
 }
 
 }  // namespace

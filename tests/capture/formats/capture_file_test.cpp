@@ -58,7 +58,7 @@ TEST(CaptureFile, HasTheLightsThatWereFoundTheScaleAndTheCamera) {
     EXPECT_THAT(capture.warnings, IsEmpty());
 }
 
-TEST(CaptureFile, LampsWithoutAPositionAreAsFarAwayAsTheOthers) {
+TEST(CaptureFile, LightsWithoutAPositionAreAsFarAwayAsTheOthers) {
     const TestDir folder;
     json j = capture_json();
     j["lights"][3]["position_mm"] = nullptr;
@@ -138,7 +138,7 @@ TEST(CaptureFile, OfAnotherKindIsRefusedInAShortMessage) {
     EXPECT_LT(read_capture_file(written(folder, j)).poor.at(0).size(), 700u);
 }
 
-TEST(CaptureFile, APartOfThePhotographsSeesLampsAndCameraFromItsOwnCentre) {
+TEST(CaptureFile, APartOfThePhotographsSeesLightsAndCameraFromItsOwnCentre) {
     const TestDir folder;
     const CaptureFile whole = read_capture_file(written(folder, capture_json()));
     // Its centre is 10 pixels to the right of the origin and 5 below.
@@ -146,7 +146,7 @@ TEST(CaptureFile, APartOfThePhotographsSeesLampsAndCameraFromItsOwnCentre) {
     EXPECT_EQ(part.lights[1].position_mm, Vec3(295, 2.5f, 400));
     EXPECT_EQ(part.camera_mm, Vec3(-3, 5.5f, 600));
     EXPECT_LE(glm::length(part.lights[1].direction - glm::normalize(Vec3(295, 2.5f, 400))), 1e-6f);
-    // One lamp, carried around: four times as strong where it is twice as near.
+    // One light, carried around: four times as strong where it is twice as near.
     const CaptureFile same = seen_from(whole, Region{0, 0, 41, 31});
     EXPECT_NEAR(same.lights[0].gain.g, 1, 1e-5);
     EXPECT_NEAR(same.lights[1].gain.g, 400.0 * 400 / (500.0 * 500), 1e-5);
@@ -185,13 +185,13 @@ TEST(CaptureFile, AStackIsOpenedWithIt) {
     }
 }
 
-// What balls leave open of a direction, also where only the lights file beside is given.
-TEST(CaptureFile, TellsHowUncertainDirectionsAreWhereBallsDo) {
+// What spheres leave open of a direction, also where only the lights file beside is given.
+TEST(CaptureFile, TellsHowUncertainDirectionsAreWhereSpheresDo) {
     const TestDir folder;
     write_stack(folder.path(), procedural_painting({.width = 41, .height = 31}),
                 {.lights = 4, .held_out = 0});
     json j = capture_json();
-    j["method"] = "mirror ball";
+    j["method"] = "mirror sphere";
     for (json& light : j["lights"]) light["position_mm"] = nullptr;
     j["lights"][1]["direction_sigma_deg"] = 2.5;
     const auto sigmas = [&](const char* lights) {
@@ -215,7 +215,7 @@ TEST(CaptureFile, TellsHowUncertainDirectionsAreWhereBallsDo) {
     EXPECT_EQ(sigmas("capture.json"), none);
 }
 
-// As programs for domes write it: where the lamps are, instead of unit vectors.
+// As programs for domes write it: where the lights are, instead of unit vectors.
 TEST(CaptureFile, TellsTheScaleForALightsFileWithPositions) {
     const TestDir folder;
     write_stack(folder.path(), procedural_painting({.width = 41, .height = 31}),

@@ -166,8 +166,8 @@ TEST(LightsFile, PassesOverFewLinesThatAreNone) {
     for (const char* bad : {"e.jpg 0 nan 1", "e.jpg 0 0 0", "e.jpg 0 up 1"}) {
         const LightsFile file = parse("5\n" + good + bad + "\n");
         EXPECT_EQ(file.lights.size(), 4u) << bad;
-        ASSERT_EQ(file.left_out.size(), 1u) << bad;
-        EXPECT_EQ(file.left_out[0].name, "e.jpg") << bad;
+        ASSERT_EQ(file.rejected.size(), 1u) << bad;
+        EXPECT_EQ(file.rejected[0].name, "e.jpg") << bad;
         EXPECT_THAT(file.warnings, testing::ElementsAre(testing::AllOf(StartsWith("x.lp, line 6: "),
                                                                        testing::HasSubstr("left out"))))
             << bad;
@@ -177,7 +177,7 @@ TEST(LightsFile, PassesOverFewLinesThatAreNone) {
     for (const Light& light : twice.lights) EXPECT_NE(light.name, "b.jpg");
     const LightsFile same = parse("5\n" + good + "b.jpg 2 0 2\n");
     EXPECT_EQ(same.lights.size(), 4u);
-    EXPECT_TRUE(same.left_out.empty());
+    EXPECT_TRUE(same.rejected.empty());
 }
 
 TEST(LightsFile, WithANameTwiceIsAnError) {
@@ -251,7 +251,7 @@ TEST(LightsFile, MayHaveFurtherColumns) {
 TEST(LightsFile, MayHaveComments) {
     const LightsFile file = parse("# by hand\n2\n; x\na.jpg 0 0 1\n#c.jpg 1 0 1\nb.jpg 0.6 0 0.8\n");
     ASSERT_EQ(file.lights.size(), 2u);
-    EXPECT_THAT(file.left_out, IsEmpty());
+    EXPECT_THAT(file.rejected, IsEmpty());
     EXPECT_THAT(file.warnings, ElementsAre(testing::HasSubstr("x.lp, line 5: begins with #")));
 }
 
@@ -263,7 +263,7 @@ TEST(LightsFile, MayBeATable) {
         ASSERT_EQ(file.lights.size(), 2u) << text;
         expect_light(file.lights[1], "b.jpg", {0.6f, 0, 0.8f});
         EXPECT_THAT(file.warnings, testing::Contains(testing::HasSubstr("columns are separated by")));
-        EXPECT_THAT(file.left_out, IsEmpty());
+        EXPECT_THAT(file.rejected, IsEmpty());
     }
 }
 

@@ -23,7 +23,7 @@ Rgb saturated(const Rgb& linear, double scale) {
     return kSaturationSrgb.decode(glm::clamp(Rgb(grey) + static_cast<float>(scale) * (e - grey), 0.0f, 1.0f));
 }
 
-// Matt paint of all colours under lamps all around, some of it with a veil of gloss under low lamps, in
+// Matt paint of all colours under lights all around, some of it with a veil of gloss under low lights, in
 // photographs whose light has a colour of its own, stored as 8 bits; `scale` is how much colour each
 // photograph has.
 template <class Scale>

@@ -1,4 +1,4 @@
-// equal_intensity_test.cpp: lamps of equal strength over a glossy surface are told from their levels.
+// equal_intensity_test.cpp: lights of equal strength over a glossy surface are told from their levels.
 #include "capture/radiometry/equal_intensity.h"
 
 #include <gtest/gtest.h>
@@ -14,13 +14,13 @@
 namespace tangi {
 namespace {
 
-// Of a surface with a slope towards the lamp: matt reflection of 1, and the lobe.
+// Of a surface with a slope towards the light: matt reflection of 1, and the lobe.
 double brightness(double m, double slope, double gloss, double width) {
     const glm::dvec3 l = glm::normalize(glm::dvec3(m, 0, 1)), v(0, 0, 1);
-    const auto lobe = [&](const glm::dvec3& n, const glm::dvec3& to_lamp) {
-        const glm::dvec3 h = to_lamp + v;
+    const auto lobe = [&](const glm::dvec3& n, const glm::dvec3& to_light) {
+        const glm::dvec3 h = to_light + v;
         return ward_lobe(WardModel::bounded,
-                         WardAngles<double>{.n_l = glm::dot(n, to_lamp),
+                         WardAngles<double>{.n_l = glm::dot(n, to_light),
                                             .n_v = glm::dot(n, v),
                                             .h_n = glm::dot(h, n),
                                             .h_h = glm::dot(h, h)},
@@ -43,11 +43,11 @@ TEST(FlatShading, IsThatOfAWardLobeAndHowItGrowsWithASlope) {
             }
 }
 
-struct Lamps {
+struct Lights {
     Eigen::MatrixXd t, right;
     Eigen::VectorXd log_level;
     // All around, 15 to 78 degrees high, equally strong but for `scatter` [1, ln].
-    Lamps(double gloss, double width, double scatter) : t(40, 2), right(40, 2), log_level(40) {
+    Lights(double gloss, double width, double scatter) : t(40, 2), right(40, 2), log_level(40) {
         Eigen::Matrix2d unknown;
         unknown << 0.8, 0.3, 0, 1.3;
         for (int j = 0; j < 40; ++j) {
@@ -70,24 +70,24 @@ struct Lamps {
     }
 };
 
-TEST(EqualStrength, TellsElevationsOfLampsOverAMattSurface) {
-    const Lamps lamps(0, 0.3, 0.01);
+TEST(EqualStrength, TellsElevationsOfLightsOverAMattSurface) {
+    const Lights lights(0, 0.3, 0.01);
     for (const bool glossy : {false, true}) {
-        const EqualStrength found = by_equal_strength(lamps.right, lamps.log_level, glossy);
-        EXPECT_LT(lamps.error_deg(found), 1) << glossy;
+        const EqualStrength found = by_equal_strength(lights.right, lights.log_level, glossy);
+        EXPECT_LT(lights.error_deg(found), 1) << glossy;
         EXPECT_LT(found.gloss, 0.03);
         EXPECT_LT(found.log_strengths.norm() / std::sqrt(40.0), 0.02);
     }
 }
 
 TEST(EqualStrength, TellsGlossFromElevation) {
-    const Lamps lamps(0.3, 0.25, 0.01);
-    const EqualStrength glossy = by_equal_strength(lamps.right, lamps.log_level, true),
-                        matt = by_equal_strength(lamps.right, lamps.log_level, false);
-    EXPECT_LT(lamps.error_deg(glossy), 1.5);
+    const Lights lights(0.3, 0.25, 0.01);
+    const EqualStrength glossy = by_equal_strength(lights.right, lights.log_level, true),
+                        matt = by_equal_strength(lights.right, lights.log_level, false);
+    EXPECT_LT(lights.error_deg(glossy), 1.5);
     EXPECT_NEAR(glossy.gloss, 0.3, 0.06);
     EXPECT_EQ(matt.gloss, 0);
-    EXPECT_GT(lamps.error_deg(matt), 5);  // gloss looks like lamps that are too low
+    EXPECT_GT(lights.error_deg(matt), 5);  // gloss looks like lights that are too low
 }
 
 }  // namespace

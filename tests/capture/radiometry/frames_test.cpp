@@ -235,7 +235,7 @@ TEST(Frames, ThatDoNotFitAreErrorsThatNameTheFile) {
 
     EXPECT_THAT(trouble({.dark = file("flat.png")}), AllOf(HasSubstr("flat.png"), HasSubstr("lens covered")));
     EXPECT_THAT(trouble({.ambient = scenes.dir / scenes.lights[3].name}),
-                AllOf(HasSubstr(scenes.lights[3].name), HasSubstr("lamp must be off")));
+                AllOf(HasSubstr(scenes.lights[3].name), HasSubstr("light must be off")));
 }
 
 TEST(Frames, ThatAreDoubtfulAreWarnedOf) {

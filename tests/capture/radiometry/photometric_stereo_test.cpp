@@ -98,7 +98,7 @@ TEST(PhotometricStereo, IsRobustToAFifthOfShadowsAndHighlights) {
     EXPECT_LE(errors[errors.size() * 95 / 100], 1.0);
 }
 
-// Beside a ridge: a third of low lamps all around, all those from one side, are hidden, and only two are
+// Beside a ridge: a third of low lights all around, all those from one side, are hidden, and only two are
 // high.
 TEST(PhotometricStereo, IsNotMisledByShadowsFromOneSide) {
     std::vector<Light> lights = dome_lights(14, 15);

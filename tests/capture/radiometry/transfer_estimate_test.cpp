@@ -166,9 +166,9 @@ TEST(TransferEstimate, WarnsWhereLinearAndEncodedFitAlike) {
         << e.candidates[0].residual << " " << e.candidates[1].residual;
 }
 
-// Lamps at one and a half picture widths, of unequal strength, and light between relief: seen as if they were
-// equal, sRGB looks like a gamma of about 1.5.
-TEST(TransferEstimate, NearLampsDoNotContradictWhatFilesState) {
+// Lights at one and a half picture widths, of unequal strength, and light between relief: seen as if they
+// were equal, sRGB looks like a gamma of about 1.5.
+TEST(TransferEstimate, NearLightsDoNotContradictWhatFilesState) {
     const TestDir dir;
     const PaintingTruth truth =
         procedural_painting({.seed = 3198, .width = 220, .height = 160, .mm_per_pixel = 0.4, .impasto = 0.3});

@@ -88,7 +88,7 @@ TEST(TransferEvidence, OfRingsIsRightOrToldWithTheTruthAmongTheRest) {
     EXPECT_GT(quiet, 3);  // some matt ones are not
 }
 
-// Lamps at many heights tell, glossy paint or gilded.
+// Lights at many heights tell, glossy paint or gilded.
 TEST(TransferEvidence, OfADomeIsRight) {
     for (const bool gilded : {false, true})
         for (const Reflectance reflectance : {Reflectance::lambert, Reflectance::ggx}) {
@@ -104,9 +104,9 @@ TEST(TransferEvidence, OfADomeIsRight) {
         }
 }
 
-// Metal shines under high lamps, which then seem the stronger ones: what a curve makes of equal lamps as
+// Metal shines under high lights, which then seem the stronger ones: what a curve makes of equal lights as
 // well. Numbers are those of generated photographs of a ground of gold, stored as sRGB.
-TEST(TransferEvidence, OfLampsIsNotCertainWhereMetalShines) {
+TEST(TransferEvidence, OfLightsIsNotCertainWhereMetalShines) {
     Stack stack;
     stack.bits = 16;
     for (const double z : {0.3, 0.5, 0.7, 0.9}) {
@@ -122,15 +122,15 @@ TEST(TransferEvidence, OfLampsIsNotCertainWhereMetalShines) {
     weigh(trials, stack);
     EXPECT_GT(trials[1].probability, 0.05);
     EXPECT_GT(trials[0].probability, trials[1].probability);
-    // Paint, whose lamps seem alike with one of them, is none such.
+    // Paint, whose lights seem alike with one of them, is none such.
     trials[0].strength_trend = 0.6, trials[1].strength_trend = 0;
     weigh(trials, stack);
     EXPECT_GT(trials[1].probability, 0.9);
 }
 
-// Lamps of which the strongest is four times as strong as the weakest are no curve: surfaces are found with
+// Lights of which the strongest is four times as strong as the weakest are no curve: surfaces are found with
 // their strengths, not as if these were equal.
-TEST(TransferEvidence, OfUnequalLampsIsNoCurve) {
+TEST(TransferEvidence, OfUnequalLightsIsNoCurve) {
     GeneratorOptions options{.seed = 5, .lights = 24};
     options.gain_min = 0.5, options.gain_max = 2, options.white_level = 0.4;
     const LinearStack photographs(options);

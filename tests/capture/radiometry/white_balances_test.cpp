@@ -21,7 +21,7 @@ using testing::Not;
 constexpr std::size_t kCastPhotos = 16;
 constexpr int kCastSide = 40;
 
-// A survey of a matt painting with some gloss under lamps all around; `tint` may change a linear value.
+// A survey of a matt painting with some gloss under lights all around; `tint` may change a linear value.
 template <class Tint>
 Survey surveyed(const Tint& tint, double saturation = 0.5, float encode_to = 1) {
     Random random(4);
@@ -68,9 +68,9 @@ TEST(WhiteBalances, AreAlikeWherePhotographsAre) {
     EXPECT_TRUE(to_json(found, names).empty());
 }
 
-// A dome whose lamps have colours of all kinds: what they differ by from their mean is told, and not undone,
-// since nobody knows the colour of a lamp that was not photographed.
-TEST(WhiteBalances, OfLampsOfManyColoursAreBesideTheirMean) {
+// A dome whose lights have colours of all kinds: what they differ by from their mean is told, and not undone,
+// since nobody knows the colour of a light that was not photographed.
+TEST(WhiteBalances, OfLightsOfManyColoursAreBesideTheirMean) {
     const auto red = [](std::size_t i) { return 1 + 0.25f * std::sin(1.7f * static_cast<float>(i)); };
     const WhiteBalances found =
         balances_of(surveyed([&](std::size_t i, int, int, const Rgb& v) { return v * Rgb(red(i), 1, 1); }));
@@ -82,7 +82,7 @@ TEST(WhiteBalances, OfLampsOfManyColoursAreBesideTheirMean) {
         EXPECT_NEAR(found.photos[i].log_gain.x, std::log(red(i)) - mean, 0.015) << i;
     const std::vector<std::string> names(kCastPhotos, "a.png");
     EXPECT_THAT(warning_of(found, names, "here"),
-                AllOf(HasSubstr("colours change"), HasSubstr("lamps of several colours")));
+                AllOf(HasSubstr("colours change"), HasSubstr("lights of several colours")));
 }
 
 TEST(WhiteBalances, ThatDifferAreMeasured) {
@@ -131,22 +131,22 @@ TEST(WhiteBalances, AreNotAVeilOfWhite) {
     EXPECT_EQ(found.differing(), 0);
 }
 
-// A second lamp of another colour that reaches one side more: what is undone makes no quarter worse.
+// A second light of another colour that reaches one side more: what is undone makes no quarter worse.
 TEST(WhiteBalances, OfPartsOfThePictureAreToldAndLeft) {
-    const auto beside_lamp = [](double left, double right) {
+    const auto beside_light = [](double left, double right) {
         return balances_of(surveyed([=](std::size_t i, int x, int, const Rgb& v) {
             const double at = left + (right - left) * x / kCastSide;
             return i == 5 ? v * Rgb(std::exp(at), 1, 1) : v;
         }));
     };
-    const WhiteBalances found = beside_lamp(-0.3, 0.4);
+    const WhiteBalances found = beside_light(-0.3, 0.4);
     EXPECT_EQ(found.differing(), 0);
     EXPECT_TRUE(found.photos[5].unclear);
     EXPECT_EQ(found.unclear(), 1);
     const std::vector<std::string> names(kCastPhotos, "a.png");
     EXPECT_THAT(warning_of(found, names, "here"),
                 AllOf(HasSubstr("here: colours change"), HasSubstr("is not undone")));
-    const WhiteBalances more = beside_lamp(0.2, 0.4);
+    const WhiteBalances more = beside_light(0.2, 0.4);
     EXPECT_EQ(more.differing(), 1);
     EXPECT_NEAR(more.photos[5].log_gain.x, 0.3, 0.03);
 }
@@ -242,7 +242,7 @@ void gold_ground(PaintingTruth& t, int x, int y) {
     t.diffuse(x, y) = grey_of(t.diffuse(x, y)) * Rgb(0.3f, 0.18f, 0.08f);
     t.specular(x, y) = 0.5f;
     t.roughness(x, y) = 0.32f;
-    t.lobe_colour(x, y) = Rgb(1, 0.78f, 0.34f);
+    t.specular_colour(x, y) = Rgb(1, 0.78f, 0.34f);
 }
 
 void as_painted(PaintingTruth&, int, int) {}
@@ -290,7 +290,7 @@ TEST(RenderedWhiteBalances, OfPaintAreFound) { expect_found(as_painted, false, 0
 TEST(RenderedWhiteBalances, OfAVarnishedBoardAreFound) { expect_found(brown_board, false, 0.06); }
 TEST(RenderedWhiteBalances, OfAGoldGroundAreFound) { expect_found(gold_ground, true, 0.06); }
 
-// Photographs of a chart under lamps, every second one with another white balance.
+// Photographs of a chart under lights, every second one with another white balance.
 std::vector<std::filesystem::path> chart_photos(const std::filesystem::path& folder, const Rgb& cast) {
     std::vector<std::filesystem::path> paths;
     for (int i = 0; i < 8; ++i) {

@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& scene) { return std::string(scene.param.name); });
 
 // What calibration finds before it knows any light.
-TEST(CameraShakes, FindsZoomAndRollWithoutAnyShift) {
+TEST(CameraMotions, FindsZoomAndRollWithoutAnyShift) {
     for (const MotionVector& last : {MotionVector{0, 0, 1.9}, MotionVector{0, 0, 0, 1.63}, MotionVector{}}) {
         const RegistrationScene scene(12, [&](int i) {
             MotionVector m = last;
@@ -92,13 +92,13 @@ TEST(CameraShakes, FindsZoomAndRollWithoutAnyShift) {
             return m;
         });
         const PhotoSet set(open_stack(scene.folder.path()));
-        const CameraShakes found = camera_shakes(read_grey_photos(set));
+        const CameraMotions found = find_camera_motions(read_grey_photos(set));
         const bool moves = rms_displacement(last) > 0;
         EXPECT_EQ(found.moved, moves);
         if (!moves) continue;
         // Lights that go round move edges by 0.3 pixels themselves, which is all that is known of this
         // photograph's.
-        const CameraShake& end = found.photos.back();
+        const CameraMotion& end = found.photos.back();
         double squares = 0, count = 0;
         for (double y = 0; y <= 1; y += 0.125)
             for (double x = 0; x <= 1; x += 0.125, count += 1) {

@@ -35,7 +35,7 @@ TEST(RegisterStack, NamesAPhotographOfSomethingElseAndGoesOn) {
     EXPECT_EQ(left, 11u);
 }
 
-// Wherever it is in the tree of lamps: the others are not led astray by it, and it is nobody's reference.
+// Wherever it is in the tree of lights: the others are not led astray by it, and it is nobody's reference.
 // Where it stands decides what the first reference is, and what its neighbours are compared with.
 class AForeignPhotograph : public testing::TestWithParam<std::pair<int, bool>> {};
 
@@ -79,16 +79,16 @@ TEST_P(ExchangedLights, AreNoMotionAndNoReasonToLeavePhotographsOut) {
         EXPECT_TRUE(r.photos[i].registered) << i;
         EXPECT_GT(r.photos[i].correlation, 0.5) << i;
         // Under which light it was shown is told: the one that the other's line has.
-        ASSERT_TRUE(r.photos[i].shown_light) << i;
+        ASSERT_TRUE(r.photos[i].per_photo_light) << i;
         const glm::dvec3 truth(stack.photos[i == 0 ? other : 0].light.direction);
-        EXPECT_GT(glm::dot(*r.photos[i].shown_light, truth), 0.8) << i;
-        EXPECT_GT(glm::dot(*r.photos[i].shown_light, truth),
-                  glm::dot(*r.photos[i].shown_light, glm::dvec3(stack.photos[i].light.direction)))
+        EXPECT_GT(glm::dot(*r.photos[i].per_photo_light, truth), 0.8) << i;
+        EXPECT_GT(glm::dot(*r.photos[i].per_photo_light, truth),
+                  glm::dot(*r.photos[i].per_photo_light, glm::dvec3(stack.photos[i].light.direction)))
             << i;
-        EXPECT_TRUE(to_json(r)["photos"][i]["shown_light"].is_array());
+        EXPECT_TRUE(to_json(r)["photos"][i]["per_photo_light"].is_array());
     }
-    EXPECT_FALSE(r.photos[2].shown_light);
-    EXPECT_TRUE(to_json(r)["photos"][2]["shown_light"].is_null());
+    EXPECT_FALSE(r.photos[2].per_photo_light);
+    EXPECT_TRUE(to_json(r)["photos"][2]["per_photo_light"].is_null());
     EXPECT_LE(scene.rms_error_px(r), shift_px > 0 ? 0.25 : 0.1);
 }
 

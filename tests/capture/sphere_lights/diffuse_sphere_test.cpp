@@ -1,26 +1,26 @@
-// diffuse_sphere_test.cpp: lights from the shading of a matt ball.
-#include "capture/sphere_lights/ball_calibration.h"
+// diffuse_sphere_test.cpp: lights from the shading of a diffuse sphere.
+#include "capture/sphere_lights/sphere_calibration.h"
 
 #include <gmock/gmock.h>
 
 #include <iostream>
 
-#include "tests/support/ball_pictures.h"
+#include "tests/support/sphere_pictures.h"
 
 namespace tangi {
 namespace {
 
 using testing::HasSubstr;
 
-TEST(MattBall, TellsDirectionsAndItsTransferCurve) {
+TEST(DiffuseSphere, TellsDirectionsAndItsTransferCurve) {
     const auto lights = lights_around(8, 45);
     for (const Transfer& transfer : {Transfer{}, Transfer{Transfer::Kind::srgb}}) {
         const TestDir dir;
-        BallScene scene;
+        SphereScene scene;
         scene.matt = true;
         scene.transfer = transfer;
-        const auto paths = write_ball_photos(dir.path(), scene, lights);
-        const BallCalibration c = calibrate_from_balls(paths, {.matt = true});
+        const auto paths = write_sphere_photos(dir.path(), scene, lights);
+        const SphereCalibration c = calibrate_from_spheres(paths, {.matt = true});
         ASSERT_EQ(c.calibrated(), 8);
         EXPECT_EQ(c.matt_transfer->name(), transfer.name());
         EXPECT_LT(mean_error_deg(c, lights), 0.6);
@@ -28,34 +28,35 @@ TEST(MattBall, TellsDirectionsAndItsTransferCurve) {
     }
 }
 
-TEST(MattBall, IsWhereAnIdealCameraWouldSeeIt) {
+TEST(DiffuseSphere, IsWhereAnIdealCameraWouldSeeIt) {
     const TestDir dir;
-    BallScene scene;
+    SphereScene scene;
     scene.matt = true;
     scene.camera.focal_px = 400;
-    scene.balls = {{{235, 60}, 40, 0, 0}};
+    scene.spheres = {{{235, 60}, 40, 0, 0}};
     scene.lens = Lens{scene.width, scene.height, {400, 400}, scene.camera.principal_px, {-0.6, 0.2, 0, 0}};
     const auto lights = lights_around(6, 45);
-    const auto paths = write_ball_photos(dir.path(), scene, lights);
-    const BallCalibration without = calibrate_from_balls(paths, {.matt = true, .focal_px = 400}),
-                          with = calibrate_from_balls(paths,
-                                                      {.matt = true, .focal_px = 400, .lens = scene.lens});
+    const auto paths = write_sphere_photos(dir.path(), scene, lights);
+    const SphereCalibration without = calibrate_from_spheres(paths, {.matt = true, .focal_px = 400}),
+                            with = calibrate_from_spheres(
+                                paths, {.matt = true, .focal_px = 400, .lens = scene.lens});
     std::cout << fmt::format(
-        "[  FIGURE  ] matt ball under a lens: {:.2f} deg, distortion left in {:.2f} deg\n",
+        "[  FIGURE  ] diffuse sphere under a lens: {:.2f} deg, distortion left in {:.2f} deg\n",
         mean_error_deg(with, lights), mean_error_deg(without, lights));
     EXPECT_LT(mean_error_deg(with, lights), 0.6);
     EXPECT_GT(mean_error_deg(without, lights), 1);
-    EXPECT_EQ(with.balls[0].image.centre_px, without.balls[0].image.centre_px);  // as the photographs show it
+    EXPECT_EQ(with.spheres[0].image.centre_px,
+              without.spheres[0].image.centre_px);  // as the photographs show it
 }
 
-TEST(MattBall, IsNotFoundWhereNothingIsShadedLikeOne) {
+TEST(DiffuseSphere, IsNotFoundWhereNothingIsShadedLikeOne) {
     const TestDir dir;
-    const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(5));
-    EXPECT_THAT(error_of([&] { calibrate_from_balls(paths, {.matt = true}); }),
-                HasSubstr("no matt ball found"));
+    const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(5));
+    EXPECT_THAT(error_of([&] { calibrate_from_spheres(paths, {.matt = true}); }),
+                HasSubstr("no diffuse sphere found"));
     EXPECT_THAT(
-        error_of([&] { calibrate_from_balls(paths, {.balls = {circle(140, 106, 40)}, .matt = true}); }),
-        HasSubstr("no matt ball at --sphere 140,106,40"));
+        error_of([&] { calibrate_from_spheres(paths, {.spheres = {circle(140, 106, 40)}, .matt = true}); }),
+        HasSubstr("no diffuse sphere at --sphere 140,106,40"));
 }
 
 }  // namespace

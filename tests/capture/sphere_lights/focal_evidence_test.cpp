@@ -17,15 +17,15 @@ FocalEvidence of(FocalSource source, double focal_px, double relative) {
 }
 
 TEST(FocalEvidence, OfLengthsIsThatOfSimilarTriangles) {
-    const MeasuredLengths lengths{.ball_radius_mm = 12, .camera_distance_mm = 600, .ball_height_mm = 6};
+    const MeasuredLengths lengths{.sphere_radius_mm = 12, .camera_distance_mm = 600, .sphere_height_mm = 6};
     const auto told = evidence_of_lengths(lengths, {1408 * 12 / 594.0, 0.4});
     ASSERT_TRUE(told);
     EXPECT_NEAR(1 / told->inverse_focal.value, 1408, 1e-6);
     EXPECT_NEAR(told->inverse_focal.sigma / told->inverse_focal.value, std::hypot(0.4 / 28.44, 0.003, 0.001),
                 5e-4);
-    EXPECT_FALSE(evidence_of_lengths({.ball_radius_mm = 12}, {28, 0.4}));
+    EXPECT_FALSE(evidence_of_lengths({.sphere_radius_mm = 12}, {28, 0.4}));
     // A height that is only supposed makes it less certain.
-    const auto supposed = evidence_of_lengths({.ball_radius_mm = 12, .camera_distance_mm = 600}, {28, 0.4});
+    const auto supposed = evidence_of_lengths({.sphere_radius_mm = 12, .camera_distance_mm = 600}, {28, 0.4});
     EXPECT_GT(supposed->inverse_focal.sigma, 1.2 * told->inverse_focal.sigma);
 }
 
@@ -52,7 +52,7 @@ TEST(FocalEvidence, WhatContradictsTwoOthersIsLeftOut) {
     EXPECT_EQ(verdict.doubt(), 1);
     EXPECT_EQ(verdict.alternatives().size(), 1u);
     MeasuredLengths lengths{
-        .focal_px = 700, .ball_radius_mm = 12, .camera_distance_mm = 600, .ball_height_mm = 6};
+        .focal_px = 700, .sphere_radius_mm = 12, .camera_distance_mm = 600, .sphere_height_mm = 6};
     const std::string said = contradiction_of(verdict, lengths, {28.4, 0.4});
     EXPECT_THAT(said, HasSubstr("--focal-35mm) 700 would have to be 14"));
     EXPECT_THAT(said, HasSubstr("the highlights say that the focal length is 1450 ± 7"));
@@ -65,12 +65,12 @@ TEST(FocalEvidence, OfTwoThatContradictEachOtherBothAreNamed) {
         judge({of(FocalSource::given, 1400, 0.003), of(FocalSource::lengths, 2800, 0.02)}, kDiagonal);
     EXPECT_EQ(verdict.alternatives().size(), 2u);
     const MeasuredLengths lengths{
-        .focal_px = 1400, .ball_radius_mm = 12, .camera_distance_mm = 1206, .ball_height_mm = 6};
+        .focal_px = 1400, .sphere_radius_mm = 12, .camera_distance_mm = 1206, .sphere_height_mm = 6};
     const std::string said = contradiction_of(verdict, lengths, {28, 0.4});
     EXPECT_THAT(said, HasSubstr("1400 would have to be 2800 ±"));
     EXPECT_THAT(said, HasSubstr("--camera-distance-mm 1206 would have to be 606"));
-    EXPECT_THAT(said, HasSubstr("--ball-height-mm 6 would have to be 606"));
-    EXPECT_THAT(said, HasSubstr("--ball-radius-mm 12 would have to be 24.00"));
+    EXPECT_THAT(said, HasSubstr("--sphere-height-mm 6 would have to be 606"));
+    EXPECT_THAT(said, HasSubstr("--sphere-radius-mm 12 would have to be 24.00"));
 }
 
 TEST(FocalEvidence, ThatAgreesIsNoContradictionAndNoDoubt) {

@@ -1,10 +1,10 @@
-// given_outline_test.cpp: circles that are given for balls whose outlines hardly show, balls that are
-// counted once, and lamps that are not alone in a mirror.
+// given_outline_test.cpp: circles that are given for spheres whose outlines hardly show, spheres that are
+// counted once, and lights that are not alone in a mirror.
 #include "capture/spheres/given_outline.h"
 
 #include <gmock/gmock.h>
 
-#include "capture/spheres/ball_sizes.h"
+#include "capture/spheres/sphere_sizes.h"
 #include "tests/support/mirrored_painting.h"
 
 namespace tangi {
@@ -18,18 +18,18 @@ using testing::Each;
 using testing::HasSubstr;
 using testing::Not;
 
-std::vector<std::vector<MirroredLamp>> one_each(const std::vector<dvec3>& lamps) {
-    std::vector<std::vector<MirroredLamp>> photos;
-    for (const dvec3& lamp : lamps) photos.push_back({{lamp, 40}});
+std::vector<std::vector<MirroredLight>> one_each(const std::vector<dvec3>& lights) {
+    std::vector<std::vector<MirroredLight>> photos;
+    for (const dvec3& light : lights) photos.push_back({{light, 40}});
     return photos;
 }
 
-BallCrops crops_of(const MirroredPainting& scene, const std::vector<dvec3>& lamps) {
-    BallCrops crops{.region = {0, 0, scene.width, scene.height},
-                    .photos = {},
-                    .drift = std::vector<CameraShake>(lamps.size())};
+SphereCrops crops_of(const MirroredPainting& scene, const std::vector<dvec3>& lights) {
+    SphereCrops crops{.region = {0, 0, scene.width, scene.height},
+                      .photos = {},
+                      .drift = std::vector<CameraMotion>(lights.size())};
     const Image<float> reflectance = scene.painting();
-    for (const dvec3& lamp : lamps) crops.photos.push_back(scene.picture({{lamp, 40}}, reflectance));
+    for (const dvec3& light : lights) crops.photos.push_back(scene.picture({{light, 40}}, reflectance));
     return crops;
 }
 
@@ -39,25 +39,25 @@ MirroredPainting textured(int number, Random& random) {
     scene.contrast = random.uniform(0.15, 0.9);
     scene.finest = 1 << number % 4;
     scene.table = number % 2 ? 0.25 : 0;
-    scene.balls = {{{random.uniform(50, 60), random.uniform(50, 60)}, 26, 0, 0}};
+    scene.spheres = {{{random.uniform(50, 60), random.uniform(50, 60)}, 26, 0, 0}};
     return scene;
 }
 
 // Whole pixels that somebody reads off are a pixel off at most. What is stated holds, whatever the painting.
-TEST(GivenBall, ErrorsHoldOnTexturedPaintings) {
+TEST(GivenSphere, ErrorsHoldOnTexturedPaintings) {
     constexpr int kPaintings = 40;
     Random random(3);
     int inside = 0, all = 0;
     double squares = 0, given_squares = 0;
     for (int i = 0; i < kPaintings; ++i) {
         const MirroredPainting scene = textured(i, random);
-        const BallImage truth = scene.balls[0];
-        const BallCrops crops = crops_of(scene, lamps_above(6));
-        BallImage given = truth;
+        const SphereImage truth = scene.spheres[0];
+        const SphereCrops crops = crops_of(scene, lights_above(6));
+        SphereImage given = truth;
         given.centre_px += dvec2(random.uniform(-1, 1), random.uniform(-1, 1));
         given.radius_px += random.uniform(-1, 1);
         given = with_click_errors(given);
-        const BallImage found = judge_outline(crops, given, refine_outline(crops, given, {}), {}).ball;
+        const SphereImage found = judge_outline(crops, given, refine_outline(crops, given, {}), {}).sphere;
         const dvec2 off = glm::abs(found.centre_px - truth.centre_px);
         for (const double error : {off.x, off.y}) {
             inside += error < 2 * found.centre_sigma_px;
@@ -74,104 +74,105 @@ TEST(GivenBall, ErrorsHoldOnTexturedPaintings) {
     EXPECT_LT(squares, 0.95 * given_squares);
 }
 
-TEST(GivenBall, IsWhereItIsGivenOnTexturedPaintings) {
-    const auto lamps = lamps_above(10);
+TEST(GivenSphere, IsWhereItIsGivenOnTexturedPaintings) {
+    const auto lights = lights_above(10);
     Random random(5);
     for (int i = 0; i < 4; ++i) {
         SCOPED_TRACE(i);
         const TestDir dir;
         const MirroredPainting scene = textured(i, random);
-        const BallImage truth = scene.balls[0];
-        const BallCalibration c = calibrate_from_balls(
-            write_mirrored(dir.path(), scene, one_each(lamps)),
-            {.balls = {circle(truth.centre_px.x, truth.centre_px.y, 26)}, .fixed_camera = true});
+        const SphereImage truth = scene.spheres[0];
+        const SphereCalibration c = calibrate_from_spheres(
+            write_mirrored(dir.path(), scene, one_each(lights)),
+            {.spheres = {circle(truth.centre_px.x, truth.centre_px.y, 26)}, .fixed_camera = true});
         ASSERT_EQ(c.calibrated(), 10);
-        EXPECT_LT(mean_error_deg(c, lamps), 1.5);
-        EXPECT_LT(glm::length(c.balls[0].image.centre_px - truth.centre_px),
-                  2 * c.balls[0].image.centre_sigma_px);
-        EXPECT_NEAR(c.balls[0].image.radius_px, 26, 2 * c.balls[0].image.radius_sigma_px);
+        EXPECT_LT(mean_error_deg(c, lights), 1.5);
+        EXPECT_LT(glm::length(c.spheres[0].image.centre_px - truth.centre_px),
+                  2 * c.spheres[0].image.centre_sigma_px);
+        EXPECT_NEAR(c.spheres[0].image.radius_px, 26, 2 * c.spheres[0].image.radius_sigma_px);
         EXPECT_THAT(c.warnings, Contains(HasSubstr("does not stand out from what is around it")));
     }
 }
 
 // A circle that is some pixels off is no reason to miss an outline that everybody sees.
-TEST(GivenBall, IsCorrectedWhereItsOutlineIsClear) {
+TEST(GivenSphere, IsCorrectedWhereItsOutlineIsClear) {
     const TestDir dir;
     const auto lights = lights_around(5);
-    const auto paths = write_ball_photos(dir.path(), BallScene{}, lights);
-    const BallCalibration coarse = calibrate_from_balls(paths, {.balls = {circle(143, 103, 43)}});
-    EXPECT_NEAR(coarse.balls[0].image.radius_px, 40, 0.2);
+    const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights);
+    const SphereCalibration coarse = calibrate_from_spheres(paths, {.spheres = {circle(143, 103, 43)}});
+    EXPECT_NEAR(coarse.spheres[0].image.radius_px, 40, 0.2);
     EXPECT_THAT(coarse.warnings, Contains(HasSubstr("pixels from it, and is used: 140.")));
     // One that is right to a pixel counts, too.
-    const BallCalibration near = calibrate_from_balls(paths, {.balls = {circle(141, 105, 40)}});
-    EXPECT_LT(glm::length(near.balls[0].image.centre_px - dvec2(140.3, 105.7)), 0.15);
+    const SphereCalibration near = calibrate_from_spheres(paths, {.spheres = {circle(141, 105, 40)}});
+    EXPECT_LT(glm::length(near.spheres[0].image.centre_px - dvec2(140.3, 105.7)), 0.15);
     EXPECT_LT(mean_error_deg(near, lights), 0.5);
     EXPECT_THAT(near.warnings, Each(Not(HasSubstr("--sphere"))));
 }
 
-// Mirrored rings of one ball's outline, and of what is around, are no more balls.
-TEST(MirrorBalls, AreSolid) {
+// Mirrored rings of one sphere's outline, and of what is around, are no more spheres.
+TEST(MirrorSpheres, AreSolid) {
     const TestDir dir;
     MirroredPainting scene;
     scene.width = 260;
     scene.height = 200;
     scene.plain_from = 150;
-    scene.balls = {{{190, 45}, 28, 0, 0}, {{200, 145}, 28, 0, 0}};
-    const auto lamps = lamps_above(12);
-    const BallCalibration c = calibrate_from_balls(write_mirrored(dir.path(), scene, one_each(lamps)),
-                                                   {.fixed_camera = true, .ball_radius_mm = 10});
-    ASSERT_EQ(c.balls.size(), 2u);
+    scene.spheres = {{{190, 45}, 28, 0, 0}, {{200, 145}, 28, 0, 0}};
+    const auto lights = lights_above(12);
+    const SphereCalibration c = calibrate_from_spheres(write_mirrored(dir.path(), scene, one_each(lights)),
+                                                       {.fixed_camera = true, .sphere_radius_mm = 10});
+    ASSERT_EQ(c.spheres.size(), 2u);
     for (int i = 0; i < 2; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        EXPECT_LT(glm::length(c.balls[at].image.centre_px - scene.balls[at].centre_px), 1);
-        EXPECT_NEAR(c.balls[at].image.radius_px, 28, 1);
+        EXPECT_LT(glm::length(c.spheres[at].image.centre_px - scene.spheres[at].centre_px), 1);
+        EXPECT_NEAR(c.spheres[at].image.radius_px, 28, 1);
     }
 }
 
-TEST(MirrorBalls, CannotBeInEachOther) {
-    const BallImage ball{{100, 100}, 30, 0, 0};
-    EXPECT_TRUE(cannot_both_be(ball, {{100, 100}, 34, 0, 0}));
-    EXPECT_TRUE(cannot_both_be(ball, {{93, 100}, 37, 0, 0}));
-    EXPECT_FALSE(cannot_both_be(ball, {{100, 160}, 30, 0, 0}));
-    EXPECT_FALSE(cannot_both_be(ball, {{100, 145}, 30, 0, 0}));  // one behind the other, seen aslant
+TEST(MirrorSpheres, CannotBeInEachOther) {
+    const SphereImage sphere{{100, 100}, 30, 0, 0};
+    EXPECT_TRUE(cannot_both_be(sphere, {{100, 100}, 34, 0, 0}));
+    EXPECT_TRUE(cannot_both_be(sphere, {{93, 100}, 37, 0, 0}));
+    EXPECT_FALSE(cannot_both_be(sphere, {{100, 160}, 30, 0, 0}));
+    EXPECT_FALSE(cannot_both_be(sphere, {{100, 145}, 30, 0, 0}));  // one behind the other, seen aslant
 }
 
-// A reflector on the other side is a tenth as bright, and cut off in the photographs as the lamp is.
-TEST(MirrorBall, ShowsTheLampBesideAReflector) {
+// A reflector on the other side is a tenth as bright, and cut off in the photographs as the light is.
+TEST(MirrorSphere, ShowsTheLightBesideAReflector) {
     const TestDir dir;
     MirroredPainting scene;
     scene.plain_from = 0;
-    const auto lamps = lamps_above(10);
-    std::vector<std::vector<MirroredLamp>> photos;
-    for (const dvec3& l : lamps) photos.push_back({{l, 40}, {{-l.x, -l.y, l.z}, 4}});
-    const BallCalibration c = calibrate_from_balls(write_mirrored(dir.path(), scene, photos),
-                                                   {.balls = {circle(54.3, 55.6, 26)}, .fixed_camera = true});
+    const auto lights = lights_above(10);
+    std::vector<std::vector<MirroredLight>> photos;
+    for (const dvec3& l : lights) photos.push_back({{l, 40}, {{-l.x, -l.y, l.z}, 4}});
+    const SphereCalibration c =
+        calibrate_from_spheres(write_mirrored(dir.path(), scene, photos),
+                               {.spheres = {circle(54.3, 55.6, 26)}, .fixed_camera = true});
     EXPECT_EQ(c.calibrated(), 10);
-    EXPECT_LT(mean_error_deg(c, lamps), 2);
+    EXPECT_LT(mean_error_deg(c, lights), 2);
     EXPECT_THAT(c.warnings, Contains(HasSubstr("more than one bright spot")));
-    // Two lamps that are equally bright are told from nothing, and are said to be what they are.
+    // Two lights that are equally bright are told from nothing, and are said to be what they are.
     for (auto& photo : photos) photo[1].strength = 40;
     const TestDir other;
     EXPECT_THAT(error_of([&] {
-                    calibrate_from_balls(write_mirrored(other.path(), scene, photos),
-                                         {.balls = {circle(54.3, 55.6, 26)}, .fixed_camera = true});
+                    calibrate_from_spheres(write_mirrored(other.path(), scene, photos),
+                                           {.spheres = {circle(54.3, 55.6, 26)}, .fixed_camera = true});
                 }),
-                AllOf(HasSubstr("no lamp is told from the other there"),
+                AllOf(HasSubstr("no light is told from the other there"),
                       HasSubstr("show two that are about equally bright"),
-                      Not(HasSubstr("Give balls with --sphere"))));
+                      Not(HasSubstr("Give spheres with --sphere"))));
 }
 
 // What would be refused is not recommended.
-TEST(MirrorBall, IsNotRecommendedWhereItWouldBeRefused) {
+TEST(MirrorSphere, IsNotRecommendedWhereItWouldBeRefused) {
     const TestDir dir;
-    const auto paths =
-        write_ball_photos(dir.path(), BallScene{}, lights_around(12), false, [](int i, BallScene& scene) {
-            if (i > 0) scene.strength = 0;
-        });
+    const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(12), false,
+                                           [](int i, SphereScene& scene) {
+                                               if (i > 0) scene.strength = 0;
+                                           });
     const std::string refused = error_of(
-        [&] { calibrate_from_balls(paths, {.balls = {circle(140, 106, 40)}, .fixed_camera = true}); });
-    EXPECT_THAT(refused, AllOf(HasSubstr("--sphere 140,106,40: no mirror ball there: only 1 of 12"),
-                               Not(HasSubstr("Give --sphere")), Not(HasSubstr("Give balls with --sphere")),
+        [&] { calibrate_from_spheres(paths, {.spheres = {circle(140, 106, 40)}, .fixed_camera = true}); });
+    EXPECT_THAT(refused, AllOf(HasSubstr("--sphere 140,106,40: no mirror sphere there: only 1 of 12"),
+                               Not(HasSubstr("Give --sphere")), Not(HasSubstr("Give spheres with --sphere")),
                                Not(HasSubstr("taken as given"))));
 }
 

@@ -1,16 +1,16 @@
-// Whether photographs are shaded as lamps in given directions would shade them.
+// Whether photographs are shaded as lights in given directions would shade them.
 #include "capture/spheres/light_plausibility.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/support/ball_pictures.h"
+#include "tests/support/sphere_pictures.h"
 
 namespace tangi {
 namespace {
 
 struct Shaded {
     GreyPhotos photos;
-    CameraShakes drifts;
+    CameraMotions drifts;
     std::vector<std::optional<glm::dvec3>> directions;
 
     explicit Shaded(bool relief, int count = 12) {
@@ -18,7 +18,7 @@ struct Shaded {
         drifts.photos.resize(static_cast<std::size_t>(count));
         Random random(3);
         for (const glm::dvec3& light : lights_around(count, 50)) {
-            // Lamps of any strength: only what differs inside a photograph counts.
+            // Lights of any strength: only what differs inside a photograph counts.
             Image<float> photo(120, 90, static_cast<float>(random.uniform(0.1, 0.5)));
             if (relief) paint_relief(photo, light);
             for (float& value : photo.pixels()) value += 0.002f * static_cast<float>(random.normal());
@@ -29,7 +29,7 @@ struct Shaded {
     std::optional<double> chance() const { return chance_of_directions(photos, drifts, directions, {}); }
 };
 
-TEST(LightPlausibility, IsHighForTheLampsThatShadedThePhotographs) {
+TEST(LightPlausibility, IsHighForTheLightsThatShadedThePhotographs) {
     const Shaded right(true);
     ASSERT_TRUE(right.chance());
     EXPECT_LT(*right.chance(), 0.02);

@@ -48,14 +48,14 @@ TEST(StrayPhotos, CopiesUnderAnotherLightAreAllLeftOut) {
     Stack stack = open_stack(copied.dir.path());
     Survey surveyed = survey(stack);
     const std::vector<float> last(surveyed.sample(0) + 8 * 3, surveyed.sample(0) + 9 * 3);
-    std::vector<LeftOut> left_out;
-    leave_out_copies(stack, surveyed, left_out);
+    std::vector<RejectedPhoto> rejected;
+    leave_out_copies(stack, surveyed, rejected);
     ASSERT_EQ(stack.photos.size(), 7u);
     ASSERT_EQ(surveyed.photos.size(), 7u);
     EXPECT_EQ(std::vector<float>(surveyed.sample(0) + 6 * 3, surveyed.sample(0) + 7 * 3), last);
-    ASSERT_EQ(left_out.size(), 2u);
-    EXPECT_EQ(left_out[0].name, "photo_001.png");
-    EXPECT_EQ(left_out[1].name, "photo_005.png");
+    ASSERT_EQ(rejected.size(), 2u);
+    EXPECT_EQ(rejected[0].name, "photo_001.png");
+    EXPECT_EQ(rejected[1].name, "photo_005.png");
     EXPECT_THAT(stack.warnings, ElementsAre(testing::AllOf(HasSubstr("photo_001.png, photo_005.png"),
                                                            HasSubstr("degrees apart"))));
 }
@@ -66,10 +66,10 @@ TEST(StrayPhotos, ACopyUnderTheSameLightIsUsedOnce) {
     write_lights(copied.dir / "lights.lp", copied.lights);
     Stack stack = open_stack(copied.dir.path());
     Survey surveyed = survey(stack);
-    std::vector<LeftOut> left_out;
-    leave_out_copies(stack, surveyed, left_out);
-    ASSERT_EQ(left_out.size(), 1u);
-    EXPECT_EQ(left_out[0].name, "photo_005.png");
+    std::vector<RejectedPhoto> rejected;
+    leave_out_copies(stack, surveyed, rejected);
+    ASSERT_EQ(rejected.size(), 1u);
+    EXPECT_EQ(rejected[0].name, "photo_005.png");
     EXPECT_EQ(stack.photos.size(), 8u);
 }
 
@@ -80,14 +80,14 @@ TEST(StrayPhotos, CopiesUnderTheSameLightCostNothing) {
     write_lights(copied.dir / "lights.lp", copied.lights);
     Stack stack = open_stack(copied.dir.path());
     Survey surveyed = survey(stack);
-    std::vector<LeftOut> left_out;
-    leave_out_copies(stack, surveyed, left_out);
-    EXPECT_EQ(left_out.size(), 4u);
+    std::vector<RejectedPhoto> rejected;
+    leave_out_copies(stack, surveyed, rejected);
+    EXPECT_EQ(rejected.size(), 4u);
     EXPECT_EQ(stack.photos.size(), 5u);
     EXPECT_THAT(error_of([&] {
                     Stack again = open_stack(copied.dir.path());
                     Survey of_again = survey(again);
-                    leave_out_copies(again, of_again, left_out, 6);
+                    leave_out_copies(again, of_again, rejected, 6);
                 }),
                 HasSubstr("4 of 9 photographs are copies of others, which leaves 5; at least 6 are needed"));
 }
@@ -98,8 +98,8 @@ TEST(StrayPhotos, AThirdOfCopiesIsAnError) {
         return error_of([&] {
             Stack stack = open_stack(copied.dir.path());
             Survey surveyed = survey(stack);
-            std::vector<LeftOut> left_out;
-            leave_out_copies(stack, surveyed, left_out);
+            std::vector<RejectedPhoto> rejected;
+            leave_out_copies(stack, surveyed, rejected);
         });
     };
     EXPECT_THAT(message({{0, 1}, {0, 2}}), HasSubstr("3 of 9 photographs"));

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
                 kInfinite = std::numeric_limits<float>::infinity();
-constexpr int kWide = 12, kHigh = 9;
+constexpr int kSampledWidth = 12, kSampledHeight = 9;
 
 // EXR photographs of different greys, and frames beside them.
 struct FloatStack {
@@ -31,7 +31,7 @@ struct FloatStack {
     FloatStack() {
         for (std::size_t i = 0; i < lights.size(); ++i) {
             lights[i].name = fs::path(lights[i].name).replace_extension(".exr").string();
-            pictures.emplace_back(kWide, kHigh, Rgb(0.2f + 0.1f * static_cast<float>(i)));
+            pictures.emplace_back(kSampledWidth, kSampledHeight, Rgb(0.2f + 0.1f * static_cast<float>(i)));
         }
         fs::create_directory(dir / "frames");
     }
@@ -46,7 +46,7 @@ struct FloatStack {
     }
 };
 
-Band band_of(const Stack& stack) { return StackReader(stack).read(0, kHigh, Transfer{}); }
+Band band_of(const Stack& stack) { return StackReader(stack).read(0, kSampledHeight, Transfer{}); }
 
 TEST(Samples, ThatAreNoNumbersAreMissingAndNotBlack) {
     FloatStack set;
@@ -56,8 +56,8 @@ TEST(Samples, ThatAreNoNumbersAreMissingAndNotBlack) {
     Stack stack = set.open();
     const Band band = band_of(stack);
     for (int photo = 0; photo < 5; ++photo)
-        for (int y = 0; y < kHigh; ++y)
-            for (int x = 0; x < kWide; ++x)
+        for (int y = 0; y < kSampledHeight; ++y)
+            for (int x = 0; x < kSampledWidth; ++x)
                 for (int c = 0; c < 3; ++c) {
                     const bool missing =
                         (photo == 1 && x == 3 && y == 2) || (photo == 2 && (x == 4 || x == 5) && y == 5);
@@ -85,8 +85,8 @@ TEST(Samples, ThatAreNoNumbersAreMissingWherePhotographsAreResampled) {
     const Band band = band_of(stack);
     EXPECT_TRUE(std::isnan(band.row(1, 0, 4)[5]));
     EXPECT_TRUE(std::isnan(band.row(1, 1, 4)[5]));
-    for (int y = 0; y < kHigh; ++y)
-        for (int x = 0; x < kWide - 1; ++x)
+    for (int y = 0; y < kSampledHeight; ++y)
+        for (int x = 0; x < kSampledWidth - 1; ++x)
             if (const float value = band.row(1, 2, y)[x]; !std::isnan(value)) {
                 EXPECT_NEAR(value, 0.3f, 1e-5);
             }
@@ -95,7 +95,7 @@ TEST(Samples, ThatAreNoNumbersAreMissingWherePhotographsAreResampled) {
 
 TEST(Samples, OfAPhotographWithoutAnyLeaveItOut) {
     FloatStack set;
-    set.pictures[3] = Image<Rgb>(kWide, kHigh, Rgb(kNan));
+    set.pictures[3] = Image<Rgb>(kSampledWidth, kSampledHeight, Rgb(kNan));
     Stack stack = set.open();
     Survey surveyed = survey(stack);
     EXPECT_EQ(surveyed.photos[3].present, 0);
@@ -108,8 +108,8 @@ TEST(Samples, OfAPhotographWithoutAnyLeaveItOut) {
 
 TEST(Samples, OfFramesThatAreNoNumbersTellNothingThere) {
     FloatStack set;
-    Image<Rgb> dark(kWide, kHigh, Rgb(0.01f)), flat(kWide, kHigh, Rgb(0.5f)),
-        ambient(kWide, kHigh, Rgb(0.02f));
+    Image<Rgb> dark(kSampledWidth, kSampledHeight, Rgb(0.01f)),
+        flat(kSampledWidth, kSampledHeight, Rgb(0.5f)), ambient(kSampledWidth, kSampledHeight, Rgb(0.02f));
     dark(2, 2) = Rgb(kNan);
     flat(3, 2).b = kInfinite;
     ambient(4, 2) = Rgb(0.02f, 1e30f, 0.02f);
@@ -124,7 +124,7 @@ TEST(Samples, OfFramesThatAreNoNumbersTellNothingThere) {
             << name;
     const Band band = band_of(stack);
     for (int photo = 0; photo < 5; ++photo)
-        for (int x = 0; x < kWide; ++x)
+        for (int x = 0; x < kSampledWidth; ++x)
             for (int c = 0; c < 3; ++c) {
                 const bool missing = x == 2 || x == 3 || x == 4 || (photo == 1 && x == 5);
                 EXPECT_EQ(std::isnan(band.row(photo, c, 2)[x]), missing) << photo << ": " << x;
@@ -132,7 +132,8 @@ TEST(Samples, OfFramesThatAreNoNumbersTellNothingThere) {
                             1e-4);  // a flat of its mean
             }
     EXPECT_THAT(error_of([&] {
-                    Stack empty = set.open({.dark = set.frame("dark", Image<Rgb>(kWide, kHigh, Rgb(kNan)))});
+                    Stack empty = set.open(
+                        {.dark = set.frame("dark", Image<Rgb>(kSampledWidth, kSampledHeight, Rgb(kNan)))});
                     develop_stack(empty);
                 }),
                 HasSubstr("dark.exr: no pixel holds a number"));

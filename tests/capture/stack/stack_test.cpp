@@ -141,7 +141,8 @@ TEST(OpenStack, MatchesByOrderWithAWarningWhereNoNameMatches) {
                                 r.dir.path().string())));
 }
 
-// Lamps and photographs are numbered as people count; a file that a program sorted by letters says so itself.
+// Lights and photographs are numbered as people count; a file that a program sorted by letters says so
+// itself.
 TEST(OpenStack, TakesLightsInTheOrderThatTheirNumbersHave) {
     for (const bool by_letters : {false, true}) {
         const TestDir dir;
@@ -209,9 +210,9 @@ TEST(OpenStack, LeavesOutALightFromBelowWithAWarning) {
                             "/lights.lp: left out 1 photograph lit from below the painting's plane: "
                             "photo_001.png (z = -0.4472)"));
     const UsableStack usable = open_usable_stack(dir.path(), {});
-    ASSERT_EQ(usable.left_out.size(), 1u);
-    EXPECT_EQ(usable.left_out[0].name, "photo_001.png");
-    EXPECT_THAT(usable.left_out[0].reason, HasSubstr("below the painting's plane (z = -0.4472)"));
+    ASSERT_EQ(usable.rejected.size(), 1u);
+    EXPECT_EQ(usable.rejected[0].name, "photo_001.png");
+    EXPECT_THAT(usable.rejected[0].reason, HasSubstr("below the painting's plane (z = -0.4472)"));
 }
 
 TEST(HoldOut, TakesPositionsNamesAndSteps) {
@@ -248,7 +249,7 @@ TEST(HoldOut, CountsPositionsInTheLightsFileAlsoWhereLightsWereLeftOut) {
     hold_out(stack, "4,7");
     EXPECT_THAT(names_of(stack.held_out), ElementsAre("photo_004.png", "photo_007.png"));
     stack = open_stack(dir.path());
-    hold_out(stack, "2:4");  // 2, 6 (left out), 10
+    hold_out(stack, "2:4");  // 2, 6 (rejected), 10
     EXPECT_THAT(names_of(stack.held_out), ElementsAre("photo_002.png", "photo_010.png"));
     EXPECT_EQ(error_of([&] { hold_out(stack, "6"); }),
               "--hold-out 6: there is no photograph 6; " + dir.path().string() + " has photographs 1 to 11");

@@ -1,4 +1,4 @@
-// relative_shading_test.cpp: what is the lamps' is told from what is the object's.
+// relative_shading_test.cpp: what is the lights' is told from what is the object's.
 #include "capture/uncalibrated/relative_shading.h"
 
 #include <gtest/gtest.h>
@@ -13,28 +13,28 @@
 namespace tangi {
 namespace {
 
-constexpr int kShadedWidth = 24, kShadedHeight = 20, kPhotos = 24;
+constexpr int kShadedWidth = 24, kShadedHeight = 20, kShadedPhotos = 24;
 
 double noise(int x, int y, int seed) {
     return procedural::uniform(procedural::hash(static_cast<procedural::Seed>(seed), x, y)) - 0.5;
 }
 
-// Slopes that know no smooth part, an albedo, and lamps all around of unlike strength that fall off to the
+// Slopes that know no smooth part, an albedo, and lights all around of unlike strength that fall off to the
 // right.
 struct Scene {
     std::vector<Image<float>> pictures;
-    std::vector<glm::dvec2> lamps;
+    std::vector<glm::dvec2> lights;
     static constexpr double kFalloff = 0.2;  // of ln of the light, a picture width
     static glm::dvec2 slope(int x, int y) { return {0.2 * noise(x, y, 1), 0.2 * noise(x, y, 2)}; }
     Scene() {
-        for (int j = 0; j < kPhotos; ++j) {
-            const double angle = 2 * M_PI * j / kPhotos, strength = 0.3 + 0.01 * j;
-            lamps.emplace_back(std::cos(angle), std::sin(angle));
+        for (int j = 0; j < kShadedPhotos; ++j) {
+            const double angle = 2 * M_PI * j / kShadedPhotos, strength = 0.3 + 0.01 * j;
+            lights.emplace_back(std::cos(angle), std::sin(angle));
             Image<float>& picture = pictures.emplace_back(kShadedWidth, kShadedHeight);
             for (int y = 0; y < kShadedHeight; ++y)
                 for (int x = 0; x < kShadedWidth; ++x) {
                     const double albedo = 0.5 + 0.8 * (noise(x, y, 3) + 0.5);
-                    const double shade = 1 - glm::dot(lamps.back(), slope(x, y));
+                    const double shade = 1 - glm::dot(lights.back(), slope(x, y));
                     const double fall = std::exp(kFalloff * (static_cast<double>(x) / kShadedWidth - 0.5));
                     picture(x, y) = static_cast<float>(albedo * strength * shade * fall);
                 }
@@ -45,21 +45,21 @@ struct Scene {
 TEST(RelativeShading, HasNeitherAlbedoNorStrengthNorFalloff) {
     const Scene scene;
     const RelativeShading shading = shading_of(scene.pictures, 0.99f);
-    for (int j = 0; j < kPhotos; ++j) {
+    for (int j = 0; j < kShadedPhotos; ++j) {
         EXPECT_NEAR(shading.falloff(j, 0), 0, 0.03) << j;  // all photographs share it: it is the albedo's
         double worst = 0;
         for (int y = 0; y < kShadedHeight; ++y)
             for (int x = 0; x < kShadedWidth; ++x) {
                 const double expected =
-                    -glm::dot(scene.lamps[static_cast<std::size_t>(j)], Scene::slope(x, y));
+                    -glm::dot(scene.lights[static_cast<std::size_t>(j)], Scene::slope(x, y));
                 worst = std::max(worst, std::abs(shading.value(y * kShadedWidth + x, j) - expected));
             }
         EXPECT_LT(worst, 0.06) << j;
     }
-    EXPECT_NEAR(shading.log_level[kPhotos - 1] - shading.log_level[0], std::log(0.53 / 0.3), 0.02);
+    EXPECT_NEAR(shading.log_level[kShadedPhotos - 1] - shading.log_level[0], std::log(0.53 / 0.3), 0.02);
 }
 
-TEST(RelativeShading, FalloffOfOnePhotographIsItsLamps) {
+TEST(RelativeShading, FalloffOfOnePhotographIsItsLights) {
     Scene scene;
     for (int y = 0; y < kShadedHeight; ++y)
         for (int x = 0; x < kShadedWidth; ++x)
@@ -78,7 +78,7 @@ TEST(ShadingFactors, AreFoundInSpiteOfShadowsAndHighlights) {
     EXPECT_GT(clean.explained, 0.98);
     EXPECT_LT(clean.residual, 0.02);
     for (int i = 0; i < kShadedWidth * kShadedHeight; ++i)
-        for (int j = 0; j < kPhotos; ++j)
+        for (int j = 0; j < kShadedPhotos; ++j)
             if (const double draw = noise(i, j, 9) + 0.5; draw < 0.05)
                 shading.value(i, j) = draw < 0.025 ? -1 : 2;
     const ShadingFactors spoilt = factored(shading);

@@ -86,7 +86,7 @@ TEST(Uncalibrated, NearLightsOfDifferentStrength) {
     EXPECT_GE(u.falloff, 0.9);
 }
 
-// Lamps of paintings that are matt or glossy, under lamps that are near, or of unlike strength.
+// Lights of paintings that are matt or glossy, under lights that are near, or of unlike strength.
 TEST(Uncalibrated, StatedErrorsCoverTheTruth) {
     int within = 0, all = 0;
     double squares = 0;
@@ -108,7 +108,7 @@ TEST(Uncalibrated, StatedErrorsCoverTheTruth) {
     count({.lights = 24, .gain_min = 0.85, .gain_max = 1.2}, 10);
     count({.lights = 24, .distance = 2}, 5);
     std::cout << fmt::format(
-        "[  FIGURE  ] {} of {} lamps within two of their stated errors, rms {:.2f} of them\n", within, all,
+        "[  FIGURE  ] {} of {} lights within two of their stated errors, rms {:.2f} of them\n", within, all,
         std::sqrt(squares / all));
     EXPECT_GE(within, 0.85 * all);
     EXPECT_GE(std::sqrt(squares / all), 0.3);  // nor are they much too large

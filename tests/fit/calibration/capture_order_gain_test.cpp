@@ -1,5 +1,5 @@
-// capture_order_gain_test.cpp: a lamp that drifts while it is carried around is predicted from its neighbours
-// in time.
+// capture_order_gain_test.cpp: a light that drifts while it is carried around is predicted from its
+// neighbours in time.
 #include "fit/calibration/capture_order_gain.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace tangi {
 namespace {
 
-// Up and down the sky in arcs, as one carries a lamp; `log_gain` of the place in the order.
+// Up and down the sky in arcs, as one carries a light; `log_gain` of the place in the order.
 template <class LogGain>
 std::vector<Light> arcs(int count, LogGain&& log_gain) {
     std::vector<Light> lights;
@@ -40,7 +40,7 @@ struct HeldOut {
     }
     // rms of ln gain, by order and by direction alone
     std::pair<double, double> errors() const {
-        const LampModel model = fit_lamp_model(fitted);
+        const LightModel model = fit_light_model(fitted);
         const ShotOrder order = fit_shot_order(model, fitted);
         double by_order = 0, by_direction = 0;
         for (std::size_t k = 0; k < held_out.size(); ++k) {
@@ -64,7 +64,7 @@ TEST(ShotOrder, FollowsALampThatDrifts) {
     EXPECT_LT(by_order, 0.75 * by_direction);
 }
 
-TEST(ShotOrder, SaysNothingWhereLampsOfADomeDifferAtRandom) {
+TEST(ShotOrder, SaysNothingWhereLightsOfADomeDifferAtRandom) {
     Random random(5);
     std::vector<double> gains;
     for (int i = 0; i < 72; ++i) gains.push_back(0.1 * random.normal());
@@ -73,9 +73,9 @@ TEST(ShotOrder, SaysNothingWhereLampsOfADomeDifferAtRandom) {
     EXPECT_LT(by_order, 1.2 * by_direction);
 }
 
-TEST(ShotOrder, OfEqualLampsPredictsTheSame) {
+TEST(ShotOrder, OfEqualLightsPredictsTheSame) {
     const std::vector<Light> lights = arcs(40, [](int) { return 0.3; });
-    const LampModel model = fit_lamp_model(lights);
+    const LightModel model = fit_light_model(lights);
     const ShotOrder order = fit_shot_order(model, lights);
     EXPECT_NEAR(std::log(predicted_gain(order, model, lights, {0, 0, 1}, 7)), 0.3, 1e-3);
 }

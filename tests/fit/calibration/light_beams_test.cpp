@@ -1,4 +1,4 @@
-// light_beams_test.cpp: lamps that light the picture unevenly are found again in generated stacks, and
+// light_beams_test.cpp: lights that light the picture unevenly are found again in generated stacks, and
 // even ones are left alone.
 #include <gtest/gtest.h>
 
@@ -41,8 +41,8 @@ struct BeamScene {
             if (photo.light.name == name) return photo.light;
         throw Error("no such light");
     }
-    // [1] rms of ln(found / true) irradiance over picture and lamps, less what is the same for all lamps at a
-    // place (albedo), and less each lamp's strength.
+    // [1] rms of ln(found / true) irradiance over picture and lights, less what is the same for all lights at
+    // a place (albedo), and less each light's strength.
     double error(const std::vector<Light>& lights, const Rig& rig) const {
         constexpr int kGrid = 7;
         const auto count = static_cast<double>(lights.size());
@@ -66,9 +66,9 @@ struct BeamScene {
         double squares = 0;
         for (std::size_t k = 0; k < errors[0].size(); ++k) {
             double common = 0;
-            for (const auto& lamp : errors) common += lamp[k] / count;
-            for (const auto& lamp : errors)
-                squares += std::pow(lamp[k] - common, 2) / (count * static_cast<double>(lamp.size()));
+            for (const auto& light : errors) common += light[k] / count;
+            for (const auto& light : errors)
+                squares += std::pow(light[k] - common, 2) / (count * static_cast<double>(light.size()));
         }
         return std::sqrt(squares);
     }
@@ -102,8 +102,8 @@ TEST(LightBeams, OfReflectorsThatAreAimedByHandAreFound) {
     EXPECT_TRUE(written["beams"]["img_000.png"].contains("terms"));
 }
 
-// Lamps of a dome, all aimed at the middle: their beams are a smooth function of the direction, so that of a
-// lamp that no photograph had can be told.
+// Lights of a dome, all aimed at the middle: their beams are a smooth function of the direction, so that of a
+// light that no photograph had can be told.
 TEST(LightBeams, OfADomeArePredictedForOtherLights) {
     const BeamScene scene(
         {.lights = 30, .held_out = 8, .min_elevation_deg = 20, .distance = 1.5, .beam_deg = 30});
@@ -116,8 +116,8 @@ TEST(LightBeams, OfADomeArePredictedForOtherLights) {
         Light light = photo.light;
         light.position_mm.reset();
         light.beam = predicted_beam(*found.beams, found.lighting.lights, light.direction);
-        if (found.lighting.rig.lamp_distance_mm)
-            light.position_mm = light.direction * *found.lighting.rig.lamp_distance_mm;
+        if (found.lighting.rig.light_distance_mm)
+            light.position_mm = light.direction * *found.lighting.rig.light_distance_mm;
         held_out.push_back(light);
     }
     const double predicted = scene.error(held_out, found.lighting.rig);
@@ -129,10 +129,10 @@ TEST(LightBeams, OfADomeArePredictedForOtherLights) {
     EXPECT_LE(predicted, 0.6 * even);
 }
 
-TEST(LightBeams, OfEvenLampsAreLeftAlone) {
+TEST(LightBeams, OfEvenLightsAreLeftAlone) {
     const BeamScene scene({.lights = 30, .held_out = 0, .distance = 1.5, .gain_min = 0.5, .gain_max = 1.5});
     const LightCalibration found = scene.calibrated();
-    EXPECT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
+    EXPECT_EQ(found.model.lights, LightFreedom::rig_and_gains);
     EXPECT_FALSE(found.model.beams) << name_of(found.model);
     EXPECT_FALSE(found.beams);
     for (const Light& light : found.lighting.lights) EXPECT_TRUE(light.beam.even());

@@ -1,4 +1,4 @@
-// light_calibration_test.cpp: lamps, ambient light and camera are found again in generated stacks, and
+// light_calibration_test.cpp: lights, ambient light and camera are found again in generated stacks, and
 // are left alone where there is nothing to find.
 #include "fit/calibration/light_calibration.h"
 
@@ -12,18 +12,18 @@
 #include "surface/image_file/image_io.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit_test_support.h"
-#include "tests/support/lamp_errors.h"
+#include "tests/support/light_errors.h"
 
 namespace tangi {
 namespace {
 
 // A stack on disk, opened, and what the generator knows of it.
-struct LampScene {
+struct LightScene {
     TestDir folder;
     Stack stack;
     Survey surveyed;
     Photography truth;
-    explicit LampScene(GeneratorOptions options, int size = 160) {
+    explicit LightScene(GeneratorOptions options, int size = 160) {
         options.held_out = 0;
         const PaintingTruth painting =
             procedural_painting({.seed = 5, .width = size, .height = size, .mm_per_pixel = kMmPerPixel});
@@ -50,45 +50,45 @@ struct GainErrors {
     double rms_in_sigmas = 0;    // of the errors, in units of what is stated
 };
 GainErrors gain_errors(const LightCalibration& found, const Photography& truth) {
-    const std::vector<double> of_lamps = errors_of_gains(found, truth);
-    const auto count = static_cast<double>(of_lamps.size());
+    const std::vector<double> of_lights = errors_of_gains(found, truth);
+    const auto count = static_cast<double>(of_lights.size());
     GainErrors errors;
-    EXPECT_EQ(found.gain_sigma.size(), of_lamps.size());
-    for (std::size_t i = 0; i < of_lamps.size(); ++i) {
-        errors.mean += of_lamps[i] / count;
-        errors.worst = std::max(errors.worst, of_lamps[i]);
-        errors.rms_in_sigmas += std::pow(of_lamps[i] / found.gain_sigma[i], 2) / count;
+    EXPECT_EQ(found.gain_sigma.size(), of_lights.size());
+    for (std::size_t i = 0; i < of_lights.size(); ++i) {
+        errors.mean += of_lights[i] / count;
+        errors.worst = std::max(errors.worst, of_lights[i]);
+        errors.rms_in_sigmas += std::pow(of_lights[i] / found.gain_sigma[i], 2) / count;
     }
     errors.rms_in_sigmas = std::sqrt(errors.rms_in_sigmas);
     return errors;
 }
 
-TEST(LightCalibration, FindsStrengthAndDistanceOfNearLampsThatDifferSevenfold) {
+TEST(LightCalibration, FindsStrengthAndDistanceOfNearLightsThatDifferSevenfold) {
     for (const Reflectance reflectance : {Reflectance::ggx, Reflectance::lambert}) {
-        const LampScene scene(
+        const LightScene scene(
             {.lights = 40, .distance = 1.5, .gain_min = 0.3, .gain_max = 2, .reflectance = reflectance});
         const LightCalibration found = scene.calibrated();
         const GainErrors errors = gain_errors(found, scene.truth);
-        const double distance = found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm();
+        const double distance = found.lighting.rig.light_distance_mm.value_or(0) / scene.width_mm();
         std::cout << fmt::format(
             "{}: gains off by {:.2f} % on average, {:.2f} % at most, {:.2f} of the stated errors; distance "
             "{:.3f} "
             "widths ± {:.3f}\n",
             name_of(reflectance), 100 * errors.mean, 100 * errors.worst, errors.rms_in_sigmas, distance,
-            distance * found.rig_sigma.lamp_distance);
-        EXPECT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
+            distance * found.rig_sigma.light_distance);
+        EXPECT_EQ(found.model.lights, LightFreedom::rig_and_gains);
         EXPECT_LE(errors.mean, 0.012);
         EXPECT_LE(errors.worst, 0.03);
         EXPECT_NEAR(distance, 1.5, 0.05);
     }
 }
 
-// Few pixels, few lamps, and a third of them so low that a degree of tilt is 6 % of their light: what is
+// Few pixels, few lights, and a third of them so low that a degree of tilt is 6 % of their light: what is
 // stated says so.
 TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
-    const LampScene scene({.lights = 24, .distance = 1.5, .gain_min = 0.3, .gain_max = 2}, 96);
+    const LightScene scene({.lights = 24, .distance = 1.5, .gain_min = 0.3, .gain_max = 2}, 96);
     const LightCalibration found = scene.calibrated();
-    ASSERT_EQ(found.model.lamps, LightFreedom::rig_and_gains);
+    ASSERT_EQ(found.model.lights, LightFreedom::rig_and_gains);
     const GainErrors errors = gain_errors(found, scene.truth);
     std::cout << fmt::format(
         "[  FIGURE  ] gains of a tiny picture off by {:.1f} % on average, {:.1f} % at most, {:.2f} of the "
@@ -101,17 +101,17 @@ TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
 
 TEST(LightCalibration, FindsAmbientLight) {
     // The generator's interreflection grows with the light's elevation; its ambient light does not.
-    const LampScene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
+    const LightScene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
     const LightCalibration found = scene.calibrated();
-    EXPECT_NE(found.model.lamps, LightFreedom::none);
+    EXPECT_NE(found.model.lights, LightFreedom::none);
     EXPECT_NEAR(found.lighting.rig.ambient, 0.1, 0.02);
-    EXPECT_GT(found.trials[1].left_out_db, found.trials[0].left_out_db + 3);
+    EXPECT_GT(found.trials[1].cv_psnr_db, found.trials[0].cv_psnr_db + 3);
 }
 
 TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
-    const LampScene scene({.lights = 40});
+    const LightScene scene({.lights = 40});
     const LightCalibration found = scene.calibrated();
-    EXPECT_EQ(found.model.lamps, LightFreedom::none);
+    EXPECT_EQ(found.model.lights, LightFreedom::none);
     EXPECT_EQ(found.lighting.rig, Rig{});
     for (const Light& light : found.lighting.lights) EXPECT_EQ(light.gain, Rgb(1));
     EXPECT_EQ(found.trials.size(), 3u);  // directions that are right are not tried
@@ -119,14 +119,14 @@ TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
 
 TEST(LightCalibration, OfSixPhotographsOnFindsStrengths) {
     for (const int lights : {6, 8, 11}) {
-        const LampScene scene(
+        const LightScene scene(
             {.lights = lights, .arrangement = Arrangement::spiral, .gain_min = 0.5, .gain_max = 2}, 96);
         const LightCalibration found = scene.calibrated();
-        ASSERT_EQ(found.model.lamps, LightFreedom::rig_and_gains) << lights;
+        ASSERT_EQ(found.model.lights, LightFreedom::rig_and_gains) << lights;
         EXPECT_EQ(found.trials[1].photos_db.size(), static_cast<std::size_t>(lights));  // each was left out
         const GainErrors errors = gain_errors(found, scene.truth);
         std::cout << fmt::format(
-            "[  FIGURE  ] {} lamps, fourfold: gains off by {:.1f} % on average, {:.1f} % at most, {:.2f} of "
+            "[  FIGURE  ] {} lights, fourfold: gains off by {:.1f} % on average, {:.1f} % at most, {:.2f} of "
             "the "
             "stated errors\n",
             lights, 100 * errors.mean, 100 * errors.worst, errors.rms_in_sigmas);
@@ -137,40 +137,40 @@ TEST(LightCalibration, OfSixPhotographsOnFindsStrengths) {
 
 // One unknown a photograph is one too many of five: strengths are not tried.
 TEST(LightCalibration, OfFivePhotographsTakesDistantLightsAsGiven) {
-    const LampScene scene({.lights = 5, .gain_min = 0.3, .gain_max = 2}, 64);
+    const LightScene scene({.lights = 5, .gain_min = 0.3, .gain_max = 2}, 64);
     const LightCalibration found = scene.calibrated();
-    EXPECT_EQ(found.model.lamps, LightFreedom::none);
+    EXPECT_EQ(found.model.lights, LightFreedom::none);
     EXPECT_EQ(found.lighting.rig, Rig{});
     ASSERT_EQ(found.trials.size(), 2u);
-    EXPECT_EQ(found.trials[1].model.lamps, LightFreedom::rig);
+    EXPECT_EQ(found.trials[1].model.lights, LightFreedom::rig);
     EXPECT_EQ(to_json(found)["gains"], nlohmann::json::object());
 }
 
-// Taken for distant, near lamps make a bulge of the painting that is many times its relief.
-TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLampsAre) {
+// Taken for distant, near lights make a bulge of the painting that is many times its relief.
+TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLightsAre) {
     for (const int lights : {5, 6, 8, 11}) {
-        const LampScene scene({.lights = lights, .arrangement = Arrangement::spiral, .distance = 3}, 96);
+        const LightScene scene({.lights = lights, .arrangement = Arrangement::spiral, .distance = 3}, 96);
         const LightCalibration found = scene.calibrated();
-        const double distance = found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm();
-        std::cout << fmt::format("[  FIGURE  ] {} lamps 3 widths away: found {:.2f} ± {:.2f}\n", lights,
-                                 distance, distance * found.rig_sigma.lamp_distance);
-        EXPECT_EQ(found.model.lamps, LightFreedom::rig) << lights;
+        const double distance = found.lighting.rig.light_distance_mm.value_or(0) / scene.width_mm();
+        std::cout << fmt::format("[  FIGURE  ] {} lights 3 widths away: found {:.2f} ± {:.2f}\n", lights,
+                                 distance, distance * found.rig_sigma.light_distance);
+        EXPECT_EQ(found.model.lights, LightFreedom::rig) << lights;
         EXPECT_NEAR(distance, 3, 0.5) << lights;
     }
-    const LampScene four({.lights = 4, .arrangement = Arrangement::spiral, .distance = 3}, 64);
+    const LightScene four({.lights = 4, .arrangement = Arrangement::spiral, .distance = 3}, 64);
     EXPECT_TRUE(four.calibrated().trials.empty());  // leaving one out leaves nothing to judge by
 }
 
-// Lamps light paint that lies above the plane which their directions are from as if they were nearer, the
+// Lights light paint that lies above the plane which their directions are from as if they were nearer, the
 // steep ones most. A bend of their directions would make much the same of the photographs, and bow the
 // painting.
-TEST(LightCalibration, OfNearLampsTellsTheHeightOfThePaintFromABend) {
+TEST(LightCalibration, OfNearLightsTellsTheHeightOfThePaintFromABend) {
     for (const Reflectance reflectance : {Reflectance::ward_bounded, Reflectance::lambert}) {
-        const LampScene scene({.lights = 24, .distance = 1.5, .reflectance = reflectance});
+        const LightScene scene({.lights = 24, .distance = 1.5, .reflectance = reflectance});
         const LightCalibration found = scene.calibrated();
         const Rig& rig = found.lighting.rig;
         const double bend_deg = rig.bend_per_mm * scene.width_mm() / 2 / kDegree,
-                     distance = rig.lamp_distance_mm.value_or(0) / scene.width_mm();
+                     distance = rig.light_distance_mm.value_or(0) / scene.width_mm();
         const double height_mm = scene.mean_height_mm();
         std::cout << fmt::format(
             "[  FIGURE  ] {}: distance {:.3f} widths, paint {:.2f} mm high, found {:.2f} ± {:.2f}, a bend of "
@@ -178,7 +178,7 @@ TEST(LightCalibration, OfNearLampsTellsTheHeightOfThePaintFromABend) {
             "the border\n",
             name_of(reflectance), distance, height_mm, rig.surface_above_mm, found.rig_sigma.surface_above_mm,
             bend_deg);
-        EXPECT_EQ(found.model.lamps, LightFreedom::rig);
+        EXPECT_EQ(found.model.lights, LightFreedom::rig);
         EXPECT_NEAR(distance, 1.5, 0.02);
         EXPECT_NEAR(rig.surface_above_mm, height_mm, 3 * found.rig_sigma.surface_above_mm);
         EXPECT_LE(std::abs(bend_deg), 0.4);
@@ -186,17 +186,17 @@ TEST(LightCalibration, OfNearLampsTellsTheHeightOfThePaintFromABend) {
 }
 
 // What an exposure that is too short makes of the same photographs.
-TEST(LightCalibration, FindsNearLampsInDarkPhotographs) {
-    const LampScene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
+TEST(LightCalibration, FindsNearLightsInDarkPhotographs) {
+    const LightScene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
     const LightCalibration found =
         calibrate_lights(scene.stack, scene.surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
                          {scene.stack.lights(), {}, 1}, kMmPerPixel, {});
-    EXPECT_EQ(found.model.lamps, LightFreedom::rig);
-    EXPECT_NEAR(found.lighting.rig.lamp_distance_mm.value_or(0) / scene.width_mm(), 2, 0.3);
+    EXPECT_EQ(found.model.lights, LightFreedom::rig);
+    EXPECT_NEAR(found.lighting.rig.light_distance_mm.value_or(0) / scene.width_mm(), 2, 0.3);
 }
 
 TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
-    const LampScene scene({.lights = 16, .distance = 2, .gain_min = 0.5}, 64);
+    const LightScene scene({.lights = 16, .distance = 2, .gain_min = 0.5}, 64);
     const int before = thread_count();
     set_thread_count(1);
     const LightCalibration one = scene.calibrated();
@@ -204,7 +204,7 @@ TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
     const LightCalibration two = scene.calibrated();
     set_thread_count(before);
     EXPECT_EQ(to_json(one), to_json(two));
-    EXPECT_EQ(one.lamps, two.lamps);
+    EXPECT_EQ(one.lights, two.lights);
 }
 
 // By less than the last bit of any file.
@@ -216,16 +216,16 @@ void disturb(Survey& surveyed) {
     }
 }
 
-// Where the search is cut short of its minimum, other lamps come out, 27 % apart, and another model of them.
+// Where the search is cut short of its minimum, other lights come out, 27 % apart, and another model of them.
 TEST(LightCalibration, IsThatOfTheMinimumAndNotOfRounding) {
-    LampScene scene({.seed = 2,
-                     .lights = 40,
-                     .distance = 1.5,
-                     .gain_min = 0.5,
-                     .gain_max = 2,
-                     .nominal_direction_error_deg = 3,
-                     .ambient = 0.15,
-                     .interreflection = 0.1});
+    LightScene scene({.seed = 2,
+                      .lights = 40,
+                      .distance = 1.5,
+                      .gain_min = 0.5,
+                      .gain_max = 2,
+                      .nominal_direction_error_deg = 3,
+                      .ambient = 0.15,
+                      .interreflection = 0.1});
     const LightCalibration found = scene.calibrated();
     disturb(scene.surveyed);
     const LightCalibration again = scene.calibrated();
@@ -235,7 +235,7 @@ TEST(LightCalibration, IsThatOfTheMinimumAndNotOfRounding) {
         EXPECT_NEAR(found.lighting.lights[i].gain.g / again.lighting.lights[i].gain.g, 1, 0.005) << i;
 }
 
-TEST(FitPainting, WithNearUnequalLampsIsAboutAsGoodAsWithDistantEqualOnes) {
+TEST(FitPainting, WithNearUnequalLightsIsAboutAsGoodAsWithDistantEqualOnes) {
     TestDir folder;
     const PaintingTruth truth =
         procedural_painting({.seed = 5, .width = 128, .height = 128, .mm_per_pixel = kMmPerPixel});

@@ -1,4 +1,4 @@
-// light_directions_test.cpp: lamps whose directions a lights file gets wrong.
+// light_directions_test.cpp: lights whose directions a lights file gets wrong.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) / kDegree;
 }
 
-// [deg] Mean over the lamps.
+// [deg] Mean over the lights.
 double told_error_deg(const std::vector<glm::dvec3>& found, const std::vector<glm::dvec3>& right,
                       bool strengths_known) {
     const DirectionField field(right, strengths_known);
@@ -79,7 +79,7 @@ struct WrongLights {
                                   std::vector<double>(sigma_deg > 0 ? stack.photos.size() : 0, sigma_deg)},
                                  kMmPerPixel, {}, {.samples = 250, .refine_directions = refine});
         for (const auto& trial : found.trials)
-            std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
+            std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.cv_psnr_db);
         const DirectionErrors e = errors();
         std::cout << fmt::format("\n{}: {:.2f} deg before, {:.2f} after\n", name_of(found.model), e.before,
                                  e.after);
@@ -93,21 +93,21 @@ struct WrongLights {
             for (const Photography::Photo& photo : truth.photos)
                 if (photo.light.name == stack.photos[i].light.name) right.emplace_back(photo.light.direction);
         }
-        const bool strengths_known = found.model.lamps != LightFreedom::rig_and_gains;
+        const bool strengths_known = found.model.lights != LightFreedom::rig_and_gains;
         return {told_error_deg(listed, right, strengths_known),
                 told_error_deg(after, right, strengths_known)};
     }
 };
 
-std::vector<glm::dvec3> some_lamps() {
+std::vector<glm::dvec3> some_lights() {
     Random random(3);
-    std::vector<glm::dvec3> lamps;
-    for (int i = 0; i < 30; ++i) lamps.emplace_back(random.direction(0.2));
-    return lamps;
+    std::vector<glm::dvec3> lights;
+    for (int i = 0; i < 30; ++i) lights.emplace_back(random.direction(0.2));
+    return lights;
 }
 
 TEST(DirectionField, TurnsBySmallAngles) {
-    for (const glm::dvec3& d : some_lamps()) {
+    for (const glm::dvec3& d : some_lights()) {
         const TangentFrame frame = tangent_frame(d);
         EXPECT_NEAR(glm::length(frame.a), 1, 1e-6);
         EXPECT_NEAR(glm::dot(frame.a, frame.b), 0, 1e-6);
@@ -118,19 +118,19 @@ TEST(DirectionField, TurnsBySmallAngles) {
 }
 
 TEST(DirectionField, HasNothingOfWhatPhotographsCannotTell) {
-    const std::vector<glm::dvec3> lamps = some_lamps();
+    const std::vector<glm::dvec3> lights = some_lights();
     for (const bool strengths_known : {false, true}) {
-        const DirectionField field(lamps, strengths_known);
+        const DirectionField field(lights, strengths_known);
         ASSERT_GE(field.modes(), 3);
         const auto modes = static_cast<std::size_t>(field.modes());
-        const std::size_t motions = field.untold(lamps[0]).size();
+        const std::size_t motions = field.untold(lights[0]).size();
         EXPECT_EQ(motions, strengths_known ? 3u : 8u);
         for (std::size_t k = 0; k < modes; ++k) {
             std::vector<double> products(modes), along(motions);
-            for (const glm::dvec3& d : lamps) {
+            for (const glm::dvec3& d : lights) {
                 const auto turns = field.at(d), untold = field.untold(d);
                 for (std::size_t i = 0; i < modes; ++i)
-                    products[i] += glm::dot(turns[k], turns[i]) / static_cast<double>(lamps.size());
+                    products[i] += glm::dot(turns[k], turns[i]) / static_cast<double>(lights.size());
                 for (std::size_t i = 0; i < motions; ++i) along[i] += glm::dot(turns[k], untold[i]);
             }
             for (std::size_t i = 0; i < modes; ++i) EXPECT_NEAR(products[i], i == k ? 1 : 0, 1e-6);
@@ -139,10 +139,10 @@ TEST(DirectionField, HasNothingOfWhatPhotographsCannotTell) {
     }
 }
 
-// A turn of all lamps together is a motion that photographs cannot tell.
+// A turn of all lights together is a motion that photographs cannot tell.
 TEST(DirectionField, KnowsRotationsForWhatTheyAre) {
     const glm::dvec3 omega(0.001, -0.002, 0.003);
-    for (const glm::dvec3& d : some_lamps()) {
+    for (const glm::dvec3& d : some_lights()) {
         const std::vector<glm::dvec2> untold = DirectionField({d}, true).untold(d);
         const glm::dvec2 t = omega.x * untold[0] + omega.y * untold[1] + omega.z * untold[2];
         EXPECT_LE(glm::length(turned(d, t) - glm::normalize(d + glm::cross(omega, d))), 1e-6);
@@ -154,7 +154,7 @@ TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
     EXPECT_GE(lights.errors().before, 2);
     EXPECT_LE(lights.errors().after, 1.2);
-    // Each lamp's standard error is of the size of its error.
+    // Each light's standard error is of the size of its error.
     double sigmas = 0, changes = 0;
     ASSERT_EQ(lights.found.turns.size(), lights.stack.photos.size());
     for (const LightCalibration::Turn& turn : lights.found.turns) {
@@ -169,7 +169,7 @@ TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
     EXPECT_EQ(written["directions"].size(), lights.found.turns.size());
 }
 
-// A lamp that is left out is then as far off itself, and predicted badly with any surface.
+// A light that is left out is then as far off itself, and predicted badly with any surface.
 TEST(LightDirections, RandomErrorsOfTenDegreesAreFound) {
     const WrongLights lights({.lights = 30, .nominal_direction_error_deg = 10}, {});
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
@@ -178,14 +178,14 @@ TEST(LightDirections, RandomErrorsOfTenDegreesAreFound) {
 }
 
 TEST(LightDirections, AFieldOfErrorsIsFound) {
-    // Lamps are tilted the more the further they are to the right.
+    // Lights are tilted the more the further they are to the right.
     const WrongLights lights({.lights = 36}, [](const glm::dvec3& d) {
         return glm::dvec2(6 * kDegree * d.y * d.y, 6 * kDegree * d.x * d.y);
     });
     EXPECT_NE(lights.found.model.directions, DirectionFreedom::listed);
     EXPECT_GE(lights.errors().before, 2);
     EXPECT_LE(lights.errors().after, 0.6);
-    // And so does a lamp that no photograph had.
+    // And so does a light that no photograph had.
     const Vec3 listed = glm::normalize(Vec3(0.3f, 0.5f, 0.7f));
     EXPECT_GE(angle_deg(glm::dvec3(corrected_direction(lights.found, listed)), glm::dvec3(listed)), 0.2);
     EXPECT_THAT(warning_of(lights.found, "folder"),
@@ -199,7 +199,7 @@ TEST(LightDirections, ThatAreRightAreLeftAlone) {
 
 // Of 14 photographs none can be spared to judge by; where the user knows that the file is off, they still
 // tell.
-TEST(LightDirections, OfFewLampsAreCorrectedWhereTheUserSaysSo) {
+TEST(LightDirections, OfFewLightsAreCorrectedWhereTheUserSaysSo) {
     const auto error = [](const glm::dvec3& d) {
         const double angle = 40 * d.x + 17 * d.y;
         return 4 * kDegree * glm::dvec2(std::cos(angle), std::sin(angle));
@@ -217,7 +217,7 @@ TEST(LightDirections, OfFewLampsAreCorrectedWhereTheUserSaysSo) {
     EXPECT_LT(right.after, 1);
 }
 
-// As a ball leaves them: no photograph is left out to judge by, the standard errors say how far to go.
+// As a sphere leaves them: no photograph is left out to judge by, the standard errors say how far to go.
 TEST(LightDirections, ThatWereMeasuredAreCorrectedAsFarAsTheirErrorsAllow) {
     const auto error = [](const glm::dvec3& d) {
         const double angle = 40 * d.x + 17 * d.y;

@@ -1,4 +1,4 @@
-// light_pixels_test.cpp: lamps are found, or left alone, where part of the picture is brushed gold, which
+// light_pixels_test.cpp: lights are found, or left alone, where part of the picture is brushed gold, which
 // outweighs the paint beside it in every mean over pixels.
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "fit/calibration/light_calibration.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit_test_support.h"
-#include "tests/support/lamp_errors.h"
+#include "tests/support/light_errors.h"
 
 namespace tangi {
 namespace {
@@ -36,7 +36,7 @@ struct GildedPanel {
         found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.002, true),
                                  {stack.lights(), {}, 0.75}, kMmPerPixel, {});
         for (const LightCalibration::Trial& trial : found.trials)
-            std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.left_out_db);
+            std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.cv_psnr_db);
         std::cout << "\n" << name_of(found.model) << "\n";
     }
     Photography truth() const {
@@ -44,12 +44,12 @@ struct GildedPanel {
     }
 };
 
-TEST(LightPixels, LampsThatAreRightAreLeftAloneBesideGold) {
+TEST(LightPixels, LightsThatAreRightAreLeftAloneBesideGold) {
     for (const std::uint64_t seed : {3u, 4u})
-        EXPECT_EQ(GildedPanel({.lights = 36}, 0.5, seed).found.model, LightModel{}) << "seed " << seed;
+        EXPECT_EQ(GildedPanel({.lights = 36}, 0.5, seed).found.model, LightingModel{}) << "seed " << seed;
 }
 
-TEST(LightPixels, NearLampsAreFoundBesideGold) {
+TEST(LightPixels, NearLightsAreFoundBesideGold) {
     const GildedPanel panel({.lights = 32,
                              .arrangement = Arrangement::spiral,
                              .distance = 2.9,
@@ -57,16 +57,16 @@ TEST(LightPixels, NearLampsAreFoundBesideGold) {
                              .reflectance = Reflectance::ward_bounded,
                              .ambient = 0.08},
                             0.3);
-    EXPECT_EQ(panel.found.model, LightModel{LightFreedom::rig});
-    ASSERT_TRUE(panel.found.lighting.rig.lamp_distance_mm);
-    EXPECT_NEAR(*panel.found.lighting.rig.lamp_distance_mm / (2.9 * kPanelSize * kMmPerPixel), 1, 0.1);
+    EXPECT_EQ(panel.found.model, LightingModel{LightFreedom::rig});
+    ASSERT_TRUE(panel.found.lighting.rig.light_distance_mm);
+    EXPECT_NEAR(*panel.found.lighting.rig.light_distance_mm / (2.9 * kPanelSize * kMmPerPixel), 1, 0.1);
     EXPECT_NEAR(panel.found.lighting.rig.ambient, 0.08, 0.01);
 }
 
 TEST(LightPixels, StrengthsAreFoundBesideGold) {
     const GildedPanel panel(
         {.lights = 32, .distance = 1.5, .gain_min = 0.7, .gain_max = 1.4, .ambient = 0.04}, 0.8, 4);
-    EXPECT_EQ(panel.found.model, LightModel{LightFreedom::rig_and_gains});
+    EXPECT_EQ(panel.found.model, LightingModel{LightFreedom::rig_and_gains});
     const std::vector<double> errors = errors_of_gains(panel.found, panel.truth());
     EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 0.1);
 }
@@ -74,7 +74,7 @@ TEST(LightPixels, StrengthsAreFoundBesideGold) {
 TEST(LightPixels, DirectionsAreFoundBesideGold) {
     const GildedPanel panel({.lights = 40, .nominal_direction_error_deg = 5});
     EXPECT_EQ(panel.found.model.directions, DirectionFreedom::own);
-    EXPECT_EQ(panel.found.model.lamps, LightFreedom::none);
+    EXPECT_EQ(panel.found.model.lights, LightFreedom::none);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// light_residual_test.cpp: the derivatives of the joint problem of pixels, lamps and rig.
+// light_residual_test.cpp: the derivatives of the joint problem of pixels, lights and rig.
 #include "fit/calibration/light_residual.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +83,7 @@ TEST(JointResidual, IsWhatTheReferenceRendererShows) {
         const Rig rig{.ambient = static_cast<float>(t.rig[1]),
                       .camera_distance_mm = static_cast<float>(width_mm / t.rig[2]),
                       .camera_axis_mm = glm::vec2(t.sample.camera_axis * width_mm),
-                      .lamp_distance_mm = static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)),
+                      .light_distance_mm = static_cast<float>(width_mm / (t.rig[0] * t.sample.nearer)),
                       .surface_above_mm = static_cast<float>(t.rig[5] * width_mm),
                       .bend_per_mm = static_cast<float>(t.rig[3] / width_mm)};
         Light light = distant_light(Vec3(turned(t.sample.direction, {t.turn[0], t.turn[1]})));

@@ -17,9 +17,9 @@ namespace {
 constexpr int kPatchSize = 20;
 
 // Waves of semi-gloss paint that follow this law.
-Surface waves(const ReflectanceLaw& law, float roughness = 0.15f) {
+Surface waves(const ReflectanceModel& reflectance_model, float roughness = 0.15f) {
     Surface s(kPatchSize, kPatchSize);
-    s.law = law;
+    s.reflectance_model = reflectance_model;
     Random random(9);
     for (int y = 0; y < kPatchSize; ++y)
         for (int x = 0; x < kPatchSize; ++x) {
@@ -33,9 +33,9 @@ Surface waves(const ReflectanceLaw& law, float roughness = 0.15f) {
     return s;
 }
 
-FitResult fitted(const Surface& truth, int lamps, const FitOptions& options) {
+FitResult fitted(const Surface& truth, int count, const FitOptions& options) {
     const TestDir folder;
-    std::vector<Light> lights = dome_lights(lamps, 25);
+    std::vector<Light> lights = dome_lights(count, 25);
     Random random(10);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         lights[i].name = fmt::format("photo{:02}.tif", i);
@@ -51,40 +51,41 @@ FitResult fitted(const Surface& truth, int lamps, const FitOptions& options) {
     return fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), given);
 }
 
-FitResult fitted(const ReflectanceLaw& law, const FitOptions& options = {.refine = false}) {
-    return fitted(waves(law), 30, options);
+FitResult fitted(const ReflectanceModel& reflectance_model, const FitOptions& options = {.refine = false}) {
+    return fitted(waves(reflectance_model), 30, options);
 }
 
-// A few lamps leave much of a lobe to what is taken for likely: haze must not stand in for a wider one.
-TEST(LawChoice, OfAFewLampsFindsNoHazeWhereLobesAreWide) {
-    const LawChoice choice = fitted(waves({}, 0.33f), 12, {.refine = false}).report.law;
-    EXPECT_EQ(choice.law, ReflectanceLaw{});
+// A few lights leave much of a lobe to what is taken for likely: haze must not stand in for a wider one.
+TEST(ReflectanceModelSelection, OfAFewLightsFindsNoHazeWhereLobesAreWide) {
+    const ReflectanceModelSelection choice =
+        fitted(waves({}, 0.33f), 12, {.refine = false}).report.reflectance_model;
+    EXPECT_EQ(choice.reflectance_model, ReflectanceModel{});
 }
 
-TEST(LawChoice, FindsNoneWhereLambertAndOneLobeAreTrue) {
-    const LawChoice choice = fitted({}).report.law;
-    EXPECT_EQ(choice.law, ReflectanceLaw{});
+TEST(ReflectanceModelSelection, FindsNoneWhereLambertAndOneLobeAreTrue) {
+    const ReflectanceModelSelection choice = fitted({}).report.reflectance_model;
+    EXPECT_EQ(choice.reflectance_model, ReflectanceModel{});
     EXPECT_GE(choice.trials.size(), 3u);
     EXPECT_FALSE(choice.colours.chosen);
 }
 
-TEST(LawChoice, FindsRoughDiffuseReflection) {
+TEST(ReflectanceModelSelection, FindsRoughDiffuseReflection) {
     const FitResult fit = fitted({.diffuse_roughness = 0.5});
-    EXPECT_NEAR(fit.report.law.law.diffuse_roughness, 0.5, 0.21);
-    EXPECT_EQ(fit.report.law.law.haze, 0);
-    EXPECT_EQ(fit.surface.law, fit.report.law.law);
+    EXPECT_NEAR(fit.report.reflectance_model.reflectance_model.diffuse_roughness, 0.5, 0.21);
+    EXPECT_EQ(fit.report.reflectance_model.reflectance_model.haze, 0);
+    EXPECT_EQ(fit.surface.reflectance_model, fit.report.reflectance_model.reflectance_model);
 }
 
-TEST(LawChoice, FindsHaze) {
-    const LawChoice choice = fitted({.haze = 0.6}).report.law;
-    EXPECT_EQ(choice.law.haze, 0.6);
-    EXPECT_LE(choice.law.diffuse_roughness, 0.15);
+TEST(ReflectanceModelSelection, FindsHaze) {
+    const ReflectanceModelSelection choice = fitted({.haze = 0.6}).report.reflectance_model;
+    EXPECT_EQ(choice.reflectance_model.haze, 0.6);
+    EXPECT_LE(choice.reflectance_model.diffuse_roughness, 0.15);
 }
 
-TEST(LawChoice, LeavesWhatIsGiven) {
+TEST(ReflectanceModelSelection, LeavesWhatIsGiven) {
     const FitResult fit = fitted({.haze = 0.6}, {.diffuse_roughness = 0.3, .haze = 0.1, .refine = false});
-    EXPECT_EQ(fit.surface.law, (ReflectanceLaw{.diffuse_roughness = 0.3, .haze = 0.1}));
-    EXPECT_TRUE(fit.report.law.trials.empty());
+    EXPECT_EQ(fit.surface.reflectance_model, (ReflectanceModel{.diffuse_roughness = 0.3, .haze = 0.1}));
+    EXPECT_TRUE(fit.report.reflectance_model.trials.empty());
 }
 
 }  // namespace

@@ -15,67 +15,67 @@
 namespace tangi {
 namespace {
 
-constexpr int kPoints = 60, kLamps = 9;
+constexpr int kPoints = 60, kFewLights = 9;
 
-// albedo (1 + bend x d) exp(gain + turn y) + slope d of a point at (x, y) under the lamp from d; `rig`: bend,
-// and an offset.
+// albedo (1 + bend x d) exp(gain + turn y) + slope d of a point at (x, y) under the light from d; `rig`:
+// bend, and an offset.
 struct Shading {
     double x, y, d, value;
     template <class T>
-    bool operator()(const T* point, const T* lamp, const T* rig, T* residual) const {
+    bool operator()(const T* point, const T* light, const T* rig, T* residual) const {
         using std::exp;
-        residual[0] =
-            (point[0] * (1.0 + rig[0] * x * d) * exp(lamp[0] + lamp[1] * y) + point[1] * d + rig[1] - value) /
-            0.01;
+        residual[0] = (point[0] * (1.0 + rig[0] * x * d) * exp(light[0] + light[1] * y) + point[1] * d +
+                       rig[1] - value) /
+                      0.01;
         return true;
     }
 };
 struct Pull {
     double middle, weight;
     template <class T>
-    bool operator()(const T* lamp, T* residual) const {
-        residual[0] = weight * (lamp[0] - middle);
-        residual[1] = weight * lamp[1];
+    bool operator()(const T* light, T* residual) const {
+        residual[0] = weight * (light[0] - middle);
+        residual[1] = weight * light[1];
         return true;
     }
 };
 
-// Generated points under lamps, one sample in twelve far off; parameters lie side by side.
+// Generated points under lights, one sample in twelve far off; parameters lie side by side.
 class Bundle {
 public:
     explicit Bundle(unsigned seed) {
         Random random(seed);
-        values_.resize(2 * kPoints + 2 * kLamps + 2);
+        values_.resize(2 * kPoints + 2 * kFewLights + 2);
         std::vector<double> truth(values_.size());
         for (int i = 0; i < kPoints; ++i) {
             truth[at(2 * i)] = random.uniform(0.2, 0.9);
             truth[at(2 * i + 1)] = random.uniform(-0.1, 0.1);
         }
-        for (int k = 0; k < 2 * kLamps; ++k) truth[at(2 * kPoints + k)] = random.uniform(-0.4, 0.4);
-        truth[at(2 * kPoints + 2 * kLamps)] = 0.15;
+        for (int k = 0; k < 2 * kFewLights; ++k) truth[at(2 * kPoints + k)] = random.uniform(-0.4, 0.4);
+        truth[at(2 * kPoints + 2 * kFewLights)] = 0.15;
         for (int i = 0; i < kPoints; ++i) {
             const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
-            for (int k = 0; k < kLamps; ++k) {
+            for (int k = 0; k < kFewLights; ++k) {
                 Shading shading{x, y, k / 4.0 - 1, 0};
                 double residual = 0;
                 shading(&truth[at(2 * i)], &truth[at(2 * kPoints + 2 * k)],
-                        &truth[at(2 * kPoints + 2 * kLamps)], &residual);
+                        &truth[at(2 * kPoints + 2 * kFewLights)], &residual);
                 shading.value = 0.01 * residual + random.uniform(-0.005, 0.005);
                 if (random.uniform(0, 1) < 1.0 / 12) shading.value += random.uniform(0, 0.5);
                 problem.AddResidualBlock(
                     new ceres::AutoDiffCostFunction<Shading, 1, 2, 2, 2>(new Shading(shading)), robust_,
-                    point(i), lamp(k), rig());
+                    point(i), light(k), rig());
             }
             values_[at(2 * i)] = 0.5;
         }
-        for (int k = 0; k < kLamps; ++k)
+        for (int k = 0; k < kFewLights; ++k)
             problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Pull, 2, 2>(new Pull{0, 3}), nullptr,
-                                     lamp(k));
+                                     light(k));
     }
 
     double* point(int i) { return &values_[at(2 * i)]; }
-    double* lamp(int k) { return &values_[at(2 * kPoints + 2 * k)]; }
-    double* rig() { return &values_[at(2 * kPoints + 2 * kLamps)]; }
+    double* light(int k) { return &values_[at(2 * kPoints + 2 * k)]; }
+    double* rig() { return &values_[at(2 * kPoints + 2 * kFewLights)]; }
     std::vector<double*> points() {
         std::vector<double*> all;
         for (int i = 0; i < kPoints; ++i) all.push_back(point(i));
@@ -125,15 +125,15 @@ TEST(SchurSolver, FindsTheMinimumThatCeresFinds) {
 TEST(SchurSolver, LeavesConstantBlocksAndPartsWhereTheyAre) {
     Bundle ours(4), theirs(4);
     for (Bundle* bundle : {&ours, &theirs}) {
-        bundle->lamp(2)[0] = 0.3;
-        bundle->problem.SetParameterBlockConstant(bundle->lamp(2));
+        bundle->light(2)[0] = 0.3;
+        bundle->problem.SetParameterBlockConstant(bundle->light(2));
         bundle->problem.SetParameterBlockConstant(bundle->point(5));
         bundle->problem.SetManifold(bundle->rig(), new ceres::SubsetManifold(2, {1}));
     }
     const SchurSummary summary = ours.by_us();
     EXPECT_NEAR(summary.final_cost, theirs.by_ceres(), 1e-6 * summary.final_cost);
     EXPECT_LT(largest_difference(ours.values(), theirs.values()), 1e-4);
-    EXPECT_EQ(ours.lamp(2)[0], 0.3);
+    EXPECT_EQ(ours.light(2)[0], 0.3);
     EXPECT_EQ(ours.point(5)[0], 0.5);
     EXPECT_EQ(ours.rig()[1], 0);
 }
@@ -172,7 +172,7 @@ TEST(SchurSolver, CovarianceIsThatOfCeres) {
     const auto ours = SharedCovariance::of(bundle.problem, bundle.points());
     ASSERT_TRUE(ours);
     ceres::Covariance theirs{ceres::Covariance::Options()};
-    const double *a = bundle.lamp(1), *b = bundle.lamp(4);
+    const double *a = bundle.light(1), *b = bundle.light(4);
     ASSERT_TRUE(theirs.Compute({{a, a}, {a, b}, {bundle.rig(), bundle.rig()}}, &bundle.problem));
     const auto compare = [&](const double* block, const double* other) {
         double expected[4];
@@ -210,7 +210,7 @@ TEST(SchurSolver, SaysWhereNothingHoldsADirection) {
 TEST(SchurSolver, RefusesWhatItCannotEliminate) {
     Bundle bundle(9);
     std::vector<double*> blocks = bundle.points();
-    blocks.push_back(bundle.lamp(0));  // meets points
+    blocks.push_back(bundle.light(0));  // meets points
     EXPECT_THROW(solve_by_schur(bundle.problem, blocks, {}), ContractError);
 }
 

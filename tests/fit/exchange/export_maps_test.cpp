@@ -23,7 +23,7 @@ Surface varied_surface(bool coloured) {
         s.roughness.pixels()[i] = static_cast<float>(random.real(0.05, 0.5));
         s.confidence.pixels()[i] = 1;
     }
-    if (coloured) s.lobe_colour = Image<Rgb>(kSide, kSide, Rgb(1, 0.7f, 0.3f));
+    if (coloured) s.specular_colour = Image<Rgb>(kSide, kSide, Rgb(1, 0.7f, 0.3f));
     return s;
 }
 
@@ -80,7 +80,7 @@ TEST_F(PicturesInABrowser, OfOpenLimeAreTheNumbersOfThePainting) {
         const double rough = 1 - std::pow(limits[1], 0.25), smooth = 1 - std::pow(limits[0], 0.25);
         for (std::size_t i = 0; i < kd.size(); ++i) {
             kd.pixels()[i] = Transfer{Transfer::Kind::srgb}.encode(kd.pixels()[i]);
-            ks.pixels()[i] = s.specular.pixels()[i] * (coloured ? s.lobe_colour.pixels()[i] : Rgb(1));
+            ks.pixels()[i] = s.specular.pixels()[i] * (coloured ? s.specular_colour.pixels()[i] : Rgb(1));
             normals.pixels()[i] = (normals.pixels()[i] + 1.0f) / 2.0f;
             gloss.pixels()[i] = Rgb(
                 static_cast<float>((1 - rough - std::pow(s.roughness.pixels()[i], 0.25)) / (smooth - rough)));

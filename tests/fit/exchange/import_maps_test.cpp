@@ -56,13 +56,14 @@ TEST(ImportMaps, ExportedMapsComeBack) {
 TEST(ImportMaps, ColoursOfLobesComeBack) {
     const TestDir dir;
     Surface s = example_surface();
-    s.lobe_colour = Image<Rgb>(s.width(), s.height(), Rgb(1, 0.77f, 0.34f));
+    s.specular_colour = Image<Rgb>(s.width(), s.height(), Rgb(1, 0.77f, 0.34f));
     EXPECT_EQ(write_maps(dir.path(), s).size(), 8u);
     ImportReport report;
-    EXPECT_TRUE(images_identical(import_maps(find_maps(dir.path()), {}, report).lobe_colour, s.lobe_colour));
+    EXPECT_TRUE(
+        images_identical(import_maps(find_maps(dir.path()), {}, report).specular_colour, s.specular_colour));
     write_openlime(dir / "openlime", s);
     const Rgb ks = read_picture(dir / "openlime" / "ks.png")(3, 3),
-              expected = s.specular(3, 3) * s.lobe_colour(3, 3);
+              expected = s.specular(3, 3) * s.specular_colour(3, 3);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(ks[c], expected[c], 0.5 / 255 + 1e-6);
 }
 
@@ -87,12 +88,12 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
     const TestDir dir;
     for (const bool scale_known : {true, false}) {
         Surface s = example_surface();
-        s.law = {.diffuse_roughness = 0.7, .haze = 0.6};
+        s.reflectance_model = {.diffuse_roughness = 0.7, .haze = 0.6};
         s.scale_known = scale_known;
         s.photography.white_level = 0.4;
         s.photography.rig = {.ambient = 0.1f, .camera_distance_mm = 40.0f};
         s.lobe_axes = Image<LobeAxes>(s.width(), s.height(), {0.05f, -0.7f});
-        s.lobe_colour = Image<Rgb>(s.width(), s.height(), Rgb(1, 0.77f, 0.34f));
+        s.specular_colour = Image<Rgb>(s.width(), s.height(), Rgb(1, 0.77f, 0.34f));
         for (int y = 0; y < s.height(); ++y)
             for (int x = 0; x < s.width(); ++x) s.height_mm(x, y) += 0.05f * static_cast<float>(x);
         for (int y = 0; y < 5; ++y)
@@ -105,7 +106,7 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
         ImportReport report;
         const Surface back = import_maps(find_maps(dir.path()), as_described(dir.path(), {}), report);
         EXPECT_EQ(report.measured, 48 * 40 - 25);
-        EXPECT_EQ(back.law, s.law);
+        EXPECT_EQ(back.reflectance_model, s.reflectance_model);
         EXPECT_EQ(back.scale_known, scale_known);
         EXPECT_EQ(back.photography.white_level, 0.4);
         EXPECT_EQ(back.mm_per_pixel, 0.5);

@@ -28,7 +28,7 @@ double coverage(const FitResult& fit, const Image<HalfError>& error,
     return inside / count;
 }
 
-// With the lamps as they are.
+// With the lights as they are.
 FitResult fit_of(const PaintingTruth& truth, const GeneratorOptions& generator) {
     const TestDir folder;
     write_stack(folder.path(), truth, generator);
@@ -68,7 +68,7 @@ double height_coverage(const PaintingOptions& painting, const GeneratorOptions& 
         return [&](std::size_t i) { return a.pixels()[i] - b.pixels()[i]; };
     };
     std::cout << fmt::format(
-        "[  FIGURE  ] seed {}, impasto {}, {} mm a pixel, {} lamps, {}: inside the 95 % interval {:.3f} of "
+        "[  FIGURE  ] seed {}, impasto {}, {} mm a pixel, {} lights, {}: inside the 95 % interval {:.3f} of "
         "height, "
         "{:.3f} slope, {:.3f} rho_d, {:.3f} rho_s, {:.3f} alpha\n",
         painting.seed, painting.impasto, painting.mm_per_pixel, generator.lights,
@@ -102,16 +102,16 @@ TEST(SlopeEdges, HeightsOfTrueSlopesAreOffByThePartOfTheSpreadThatIsAssumed) {
         const double part = part_of_spread(truth.normal, truth, mm);
         // Of mean slopes; those of a fit are flatter still, and shadows ask for more.
         constexpr double kRight = 0.05;
-        const double unmixed =
-            part_of_spread(unmixed_normals(truth.normal, Image<float>(160, 160, 1.0f), kRight), truth, mm);
+        const double steepened =
+            part_of_spread(steepened_normals(truth.normal, Image<float>(160, 160, 1.0f), kRight), truth, mm);
         std::cout << fmt::format(
             "[  FIGURE  ] heights of true slopes, {} mm a pixel: off by {:.3f} of the spread, unmixed "
             "{:.3f}\n",
-            mm, part, unmixed);
+            mm, part, steepened);
         EXPECT_GT(part, 0.7 * kOffset);
         EXPECT_LT(part, 1.15 * kOffset);
-        EXPECT_GT(unmixed, 0.7 * kUnmixedOffset);
-        EXPECT_LT(unmixed, 1.15 * kUnmixedOffset);
+        EXPECT_GT(steepened, 0.7 * kSteepenedOffset);
+        EXPECT_LT(steepened, 1.15 * kSteepenedOffset);
     }
 }
 
@@ -149,7 +149,7 @@ TEST(HeightCoverage, OfGeneratedPaintingsIs95Percent) {
     }
 }
 
-// 16 lamps over cracks as wide as pixels leave slopes that are off by more than they say, and heights with
+// 16 lights over cracks as wide as pixels leave slopes that are off by more than they say, and heights with
 // them; and a height whose slopes were made steeper, as shadows ask for, is better than its error says.
 TEST(HeightCoverage, OfHardGeneratedPaintingsIsNotFarFromIt) {
     EXPECT_GE(height_coverage({.seed = 12, .width = 160, .height = 140, .mm_per_pixel = 0.1},

@@ -35,7 +35,7 @@ TEST(MixedSlopes, MeanSlopesOfAnEvenChangeComeBack) {
                 for (int x = 0; x < 5; ++x) normal(x, y) = mean_normal(slope + change * (x - 2), change);
             const Image<float> known(5, 5, 1.0f);
             const double before = slope_of(normal(2, 2)).x,
-                         after = slope_of(unmixed_normals(normal, known, 1.0 / 12)(2, 2)).x;
+                         after = slope_of(steepened_normals(normal, known, 1.0 / 12)(2, 2)).x;
             EXPECT_LT(before, slope) << slope << ' ' << change;
             EXPECT_LT(std::abs(after - slope), 0.35 * std::abs(before - slope)) << slope << ' ' << change;
         }
@@ -61,7 +61,7 @@ TEST(MixedSlopes, ShortWavesKeepTheirHeight) {
                 normal(x, y) = Vec3(glm::normalize(sum));
                 truth(x, y) = static_cast<float>(height);
             }
-        if (mixing >= 0) normal = unmixed_normals(normal, known, mixing);
+        if (mixing >= 0) normal = steepened_normals(normal, known, mixing);
         integrate_normals(normal, known, 1, z, {.robust_sweeps = 0});
         double product = 0, square = 0;
         for (std::size_t i = 0; i < z.size(); ++i) {
@@ -83,7 +83,7 @@ TEST(MixedSlopes, ShortWavesKeepTheirHeight) {
 
 TEST(MixedSlopes, PlanesStayAsTheyAre) {
     const Image<Vec3> normal(6, 5, normal_of({0.4f, -0.7f}));
-    const Image<Vec3> result = unmixed_normals(normal, Image<float>(6, 5, 1.0f), 0.8);
+    const Image<Vec3> result = steepened_normals(normal, Image<float>(6, 5, 1.0f), 0.8);
     for (const Vec3& n : result.pixels()) EXPECT_LT(glm::length(n - normal(0, 0)), 1e-6f);
 }
 
@@ -92,7 +92,7 @@ TEST(MixedSlopes, WhatWasNotMeasuredStaysAndHasNoSay) {
     Image<float> confidence(5, 5, 1.0f);
     normal(2, 2) = Vec3(0, 0, 1);
     confidence(2, 2) = 0;
-    const Image<Vec3> result = unmixed_normals(normal, confidence, 0.8);
+    const Image<Vec3> result = steepened_normals(normal, confidence, 0.8);
     for (int y = 0; y < 5; ++y)
         for (int x = 0; x < 5; ++x)
             EXPECT_LT(glm::length(result(x, y) - normal(x, y)), 1e-6f) << x << ' ' << y;
@@ -111,8 +111,8 @@ TEST(MixedSlopes, MirroredSlopesGiveMirroredOnes) {
             mirrored(8 - x, y) = Vec3(-n.x, n.y, n.z);
             confidence(x, y) = mirrored_confidence(8 - x, y) = random.uniform() < 0.1 ? 0.0f : 0.9f;
         }
-    const Image<Vec3> a = unmixed_normals(normal, confidence, 0.4),
-                      b = unmixed_normals(mirrored, mirrored_confidence, 0.4);
+    const Image<Vec3> a = steepened_normals(normal, confidence, 0.4),
+                      b = steepened_normals(mirrored, mirrored_confidence, 0.4);
     for (int y = 0; y < 7; ++y)
         for (int x = 0; x < 9; ++x)
             EXPECT_EQ(b(8 - x, y), Vec3(-a(x, y).x, a(x, y).y, a(x, y).z)) << x << ' ' << y;

@@ -17,11 +17,11 @@ using testing::SizeIs;
 
 std::vector<std::size_t> photos_of(const LightOutliers& outliers) {
     std::vector<std::size_t> photos;
-    for (const OddLight& odd : outliers.odd) photos.push_back(odd.photo);
+    for (const LightOutlier& odd : outliers.odd) photos.push_back(odd.photo);
     return photos;
 }
 
-TEST(OddLightsVote, GoldThatWasBrushedMakesNoLightOddAndHidesNone) {
+TEST(LightOutlierVote, GoldThatWasBrushedMakesNoLightOddAndHidesNone) {
     const TestDir folder;
     PaintingOptions options{
         .width = 120, .height = 120, .mm_per_pixel = 0.4, .gilding = true, .brushed = 0.6};
@@ -29,15 +29,15 @@ TEST(OddLightsVote, GoldThatWasBrushedMakesNoLightOddAndHidesNone) {
     Stack stack = open_stack(folder.path(), {.transfer = Transfer{}});
     const FitOptions quick{.register_photos = false, .refine = false};
     const Survey surveyed = survey(stack, {});
-    EXPECT_THAT(odd_lights(surveyed, Transfer{}, stack.lights(), 120, 120).odd, SizeIs(Gt(0u)))
+    EXPECT_THAT(light_outliers(surveyed, Transfer{}, stack.lights(), 120, 120).odd, SizeIs(Gt(0u)))
         << "by matt reflection alone";
-    EXPECT_THAT(photos_of(fit_painting(stack, quick).report.odd_lights), IsEmpty());
+    EXPECT_THAT(photos_of(fit_painting(stack, quick).report.light_outliers), IsEmpty());
 
     Vec3& direction = stack.photos[5].light.direction;
     const float angle = 0.4f;
     direction = Vec3(std::cos(angle) * direction.x - std::sin(angle) * direction.y,
                      std::sin(angle) * direction.x + std::cos(angle) * direction.y, direction.z);
-    EXPECT_THAT(photos_of(fit_painting(stack, quick).report.odd_lights), ElementsAre(5u));
+    EXPECT_THAT(photos_of(fit_painting(stack, quick).report.light_outliers), ElementsAre(5u));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 LightOutliers check(const Bumps& bumps) {
-    return odd_lights(bumps.survey, Transfer{}, bumps.lights, Bumps::kWidth, Bumps::kHeight);
+    return light_outliers(bumps.survey, Transfer{}, bumps.lights, Bumps::kWidth, Bumps::kHeight);
 }
 std::vector<std::string> doubts(const Bumps& bumps) {
     std::vector<std::string> names;
@@ -20,20 +20,20 @@ std::vector<std::string> doubts(const Bumps& bumps) {
     return doubts_of(check(bumps), names);
 }
 
-TEST(OddLights, NoneWhereAllAreRight) {
-    for (const double nearness : {0.0, 0.25}) {
-        const LightOutliers outliers = check(Bumps(0.25, nearness));
-        EXPECT_TRUE(outliers.odd.empty()) << nearness;
-        EXPECT_LT(outliers.scatter_deg, 3) << nearness;
+TEST(LightOutliers, NoneWhereAllAreRight) {
+    for (const double inverse_distance : {0.0, 0.25}) {
+        const LightOutliers outliers = check(Bumps(0.25, inverse_distance));
+        EXPECT_TRUE(outliers.odd.empty()) << inverse_distance;
+        EXPECT_LT(outliers.scatter_deg, 3) << inverse_distance;
     }
 }
 
-TEST(OddLights, TwoThatAreExchangedAreNamedTogether) {
-    for (const double nearness : {0.0, 0.25}) {
-        Bumps bumps(0.25, nearness);
+TEST(LightOutliers, TwoThatAreExchangedAreNamedTogether) {
+    for (const double inverse_distance : {0.0, 0.25}) {
+        Bumps bumps(0.25, inverse_distance);
         std::swap(bumps.lights[3].direction, bumps.lights[8].direction);
         const LightOutliers outliers = check(bumps);
-        ASSERT_EQ(outliers.odd.size(), 2u) << nearness;
+        ASSERT_EQ(outliers.odd.size(), 2u) << inverse_distance;
         EXPECT_EQ(outliers.odd[0].photo, 3u);
         EXPECT_EQ(outliers.odd[0].exchanged_with, 8u);
         EXPECT_EQ(outliers.odd[1].exchanged_with, 3u);
@@ -42,7 +42,7 @@ TEST(OddLights, TwoThatAreExchangedAreNamedTogether) {
     }
 }
 
-TEST(OddLights, OneThatIsTurnedIsNamedWithTheLightThatItShows) {
+TEST(LightOutliers, OneThatIsTurnedIsNamedWithTheLightThatItShows) {
     Bumps bumps(0.25);
     const Vec3 right = bumps.lights[12].direction;
     bumps.turn(12, 25);
@@ -54,8 +54,8 @@ TEST(OddLights, OneThatIsTurnedIsNamedWithTheLightThatItShows) {
     EXPECT_THAT(doubts(bumps), ElementsAre(HasSubstr("photo_12.png: is shaded by a light")));
 }
 
-// Lamps are as high as the list says, but for one; light from all around raises all of them alike.
-TEST(OddLights, OneOfWrongHeightIsNamedWithTheHeightThatItShows) {
+// Lights are as high as the list says, but for one; light from all around raises all of them alike.
+TEST(LightOutliers, OneOfWrongHeightIsNamedWithTheHeightThatItShows) {
     for (const double degrees : {25.0, -25.0}) {
         Bumps bumps(0.25, 0, 0.002, 0.05);
         const Vec3 right = bumps.lights[9].direction;
@@ -74,7 +74,7 @@ TEST(OddLights, OneOfWrongHeightIsNamedWithTheHeightThatItShows) {
     }
 }
 
-TEST(OddLights, TwoOnOneSideThatAreExchangedAreNamedTogether) {
+TEST(LightOutliers, TwoOnOneSideThatAreExchangedAreNamedTogether) {
     Bumps bumps(0.25, 0, 0.002, 0, Bumps::spiral(std::pair<std::size_t, std::size_t>(3, 12)));
     std::swap(bumps.lights[3].direction, bumps.lights[12].direction);
     EXPECT_THAT(doubts(bumps), ElementsAre(HasSubstr("photo_03.png and photo_12.png: each is shaded by the "
@@ -82,7 +82,7 @@ TEST(OddLights, TwoOnOneSideThatAreExchangedAreNamedTogether) {
 }
 
 // What tells nothing of lights says nothing of them.
-TEST(OddLights, NoneOnAFlatPaintingOrInFewPhotographs) {
+TEST(LightOutliers, NoneOnAFlatPaintingOrInFewPhotographs) {
     Bumps flat(0);
     std::swap(flat.lights[3].direction, flat.lights[8].direction);
     EXPECT_TRUE(check(flat).odd.empty());
@@ -93,11 +93,11 @@ TEST(OddLights, NoneOnAFlatPaintingOrInFewPhotographs) {
     few.channels = 1;
     few.photos.resize(5);
     const std::vector<Light> lights(noisy.lights.begin(), noisy.lights.begin() + 5);
-    EXPECT_TRUE(odd_lights(few, Transfer{}, lights, 10, 10).odd.empty());
+    EXPECT_TRUE(light_outliers(few, Transfer{}, lights, 10, 10).odd.empty());
 }
 
 // Lights of which most are wrong are no slips of a line or two.
-TEST(OddLights, NoneWhereTheWholeListIsAnother) {
+TEST(LightOutliers, NoneWhereTheWholeListIsAnother) {
     Bumps bumps(0.25);
     std::vector<Vec3> directions;
     for (const Light& light : bumps.lights) directions.push_back(light.direction);

@@ -72,8 +72,8 @@ TEST(ListOrder, IsToldOfLightsThatWereTurnedInstead) {
         const glm::dvec2 plane = turn.applied({light.direction.x, light.direction.y});
         light.direction = Vec3(static_cast<float>(plane.x), static_cast<float>(plane.y), light.direction.z);
     }
-    LightFlips taken;
-    taken.turn_deg = turn.turn_deg;
+    LightAxes taken;
+    taken.rotation_deg = turn.turn_deg;
     EXPECT_THAT(doubt_of(order_of(bumps), {}, taken, names_of(bumps)),
                 AllOf(HasSubstr("is off by 1 photograph"), HasSubstr("leave out --lights-turn"),
                       Not(HasSubstr("--lights-flip"))));
@@ -177,9 +177,9 @@ TEST(ListOrder, ShiftOfAnEvenRingMayBeATurn) {
 }
 
 TEST(ListOrder, ThatIsRightIsLeftAlone) {
-    for (const double nearness : {0.0, 0.25}) {
-        const Bumps bumps(0.25, nearness, 0.002, 0, Bumps::rings());
-        EXPECT_THAT(doubt_of(order_of(bumps), {}, {}, names_of(bumps)), IsEmpty()) << nearness;
+    for (const double inverse_distance : {0.0, 0.25}) {
+        const Bumps bumps(0.25, inverse_distance, 0.002, 0, Bumps::rings());
+        EXPECT_THAT(doubt_of(order_of(bumps), {}, {}, names_of(bumps)), IsEmpty()) << inverse_distance;
         // And where all lights are turned: a turn is one.
         EXPECT_THAT(doubt_of(order_of(bumps), turned_by({false, 36}), {}, names_of(bumps)), IsEmpty());
     }

@@ -72,9 +72,10 @@ struct ChangedStack {
     std::vector<std::string> doubts() const { return doubts_of(report.photo_misfits, report.photo_names); }
 };
 
-Image<Rgb> with_light(Image<Rgb> picture, const Image<Rgb>& diffuse, float lamp, float room, float constant) {
+Image<Rgb> with_light(Image<Rgb> picture, const Image<Rgb>& diffuse, float light, float room,
+                      float constant) {
     for (std::size_t i = 0; i < picture.size(); ++i)
-        picture.pixels()[i] = lamp * picture.pixels()[i] + room * diffuse.pixels()[i] + constant;
+        picture.pixels()[i] = light * picture.pixels()[i] + room * diffuse.pixels()[i] + constant;
     return picture;
 }
 
@@ -199,7 +200,7 @@ TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
         EXPECT_EQ(stack.report.photo_misfits.photos[i].room.effect > 0.3, i % 4 == 1) << i;
 }
 
-TEST(PhotoMisfit, LampThatDidNotFireIsNamed) {
+TEST(PhotoMisfit, LightThatDidNotFireIsNamed) {
     const PaintingTruth truth = painting(120, 96);
     const ChangedStack stack([&](std::size_t i, const Image<Rgb>& picture) {
         return i == 5 ? with_light(picture, truth.diffuse, 0, 0.12f, 0.002f) : picture;
@@ -224,7 +225,7 @@ TEST(PhotoMisfit, DarkFrameIsNamed) {
     misfits.photos[3] = {.rms = 4, .gain = {-0.95, 0.6, 3}, .strength = 0.05};
     EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "what is as uncertain is not told";
     misfits.photos[3] = {.rms = 0.5, .strength = 0.05};
-    EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "weak lamps may be weak";
+    EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "weak lights may be weak";
 }
 
 TEST(PhotoMisfit, VeilIsMeasured) {

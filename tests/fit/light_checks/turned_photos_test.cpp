@@ -75,10 +75,10 @@ TEST(TurnedPhotos, MirroredOnesAreNamedAsThat) {
 
 TEST(TurnedPhotos, AreNotSeenWhereNoneIs) {
     for (const double steep : {0.0, 0.1, 0.5})
-        for (const double nearness : {0.0, 0.25}) {
-            Bumps bumps(steep, nearness);
+        for (const double inverse_distance : {0.0, 0.25}) {
+            Bumps bumps(steep, inverse_distance);
             centre(bumps);
-            EXPECT_THAT(turned_in(bumps), IsEmpty()) << steep << ' ' << nearness;
+            EXPECT_THAT(turned_in(bumps), IsEmpty()) << steep << ' ' << inverse_distance;
         }
     // Lights in another order predict nothing, and turn nothing.
     Bumps bumps(0.25);

@@ -1,5 +1,5 @@
-// anisotropy_estimate_test.cpp: lobes that are drawn out are found, those that are not stay as they are, and
-// both solvers and the reference renderer have one model of them.
+// anisotropy_estimate_test.cpp: lobes that are anisotropic are found, those that are not stay as they are,
+// and both solvers and the reference renderer have one model of them.
 #include "fit/material/anisotropy_estimate.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ struct Metal {
     glm::dvec3 diffuse{0.2, 0.15, 0.08};
 };
 
-// Under lamps of a dome; sigma as if of 12-bit photographs.
+// Under lights of a dome; sigma as if of 12-bit photographs.
 PixelSamples samples_of(const Metal& metal, Random& random, int photos = 48) {
     PixelSamples s;
     s.resize(photos, 3);
@@ -101,10 +101,10 @@ TEST(DrawnOutLobe, IsThatOfTheReferenceRenderer) {
         s.specular(0, 0) = static_cast<float>(m.specular);
         s.roughness(0, 0) = static_cast<float>(m.alpha);
         s.lobe_axes = Image<LobeAxes>(1, 1, axes_of(Stretch(m.stretch), static_cast<float>(m.alpha)));
-        s.law.haze = 0.3;
+        s.reflectance_model.haze = 0.3;
         const Vec3 light = random.direction(0.1), view = random.direction(0.8);
-        const WardTerms t =
-            ward_terms(vector_of(m).data(), glm::dvec3(light), glm::dvec3(view), s.law, m.stretch);
+        const WardTerms t = ward_terms(vector_of(m).data(), glm::dvec3(light), glm::dvec3(view),
+                                       s.reflectance_model, m.stretch);
         const Rgb shown = reflected(s, 0, 0, light, view, WardModel::bounded);
         for (int c = 0; c < 3; ++c) {
             const double expected = m.diffuse[c] * t.matt + m.specular * t.lobe;
@@ -122,7 +122,7 @@ WardPrior prior_with(const glm::dvec2& stretch) {
 TEST(DrawnOutLobe, BatchesFindWhatCeresFinds) {
     Random random(3);
     WardFitOptions options;
-    options.law.haze = 0.3;
+    options.reflectance_model.haze = 0.3;
     WardFitter ceres(options);
     WardBatchFitter batches(options);
     constexpr int kCount = 64;
@@ -257,7 +257,7 @@ FitResult seeded_fit_of(const Surface& truth, const FitOptions& options, unsigne
 
 TEST(FitPainting, TurnedPhotographsOfBrushedMetalGiveTurnedMaps) {
     Surface truth = half_brushed({0.4f, 0.3f});
-    const FitOptions options{.drawn_out_lobes = 1, .refine = false};
+    const FitOptions options{.anisotropic_specular = 1, .refine = false};
     const Surface as_it_is = seeded_fit_of(truth, options).surface,
                   turned = seeded_fit_of(truth, options, 10, true).surface;
     ASSERT_FALSE(as_it_is.lobe_axes.empty());
@@ -275,17 +275,18 @@ TEST(FitPainting, TurnedPhotographsOfBrushedMetalGiveTurnedMaps) {
     EXPECT_LE(apart, 8);  // pixels with two minima
 }
 
-TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLampsAsTheyAre) {
+TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLightsAsTheyAre) {
     const Stretch is(0.4f, 0.3f);
     const Surface truth = half_brushed(is);
     const double half = static_cast<double>(truth.height_mm.size()) / 2;
     for (const unsigned seed : {10u, 15u}) {
         const FitResult fit = seeded_fit_of(truth, {}, seed);
         // Turns of 20 degrees and other strengths explain brushed metal better than no stretch does.
-        EXPECT_EQ(fit.report.lights.model, LightModel{}) << name_of(fit.report.lights.model);
-        EXPECT_TRUE(fit.report.law.stretches.chosen);
-        EXPECT_EQ(fit.report.law.law.haze, 0);
-        EXPECT_GT(fit.report.law.stretches.drawn_out_db, fit.report.law.stretches.isotropic_db + 1);
+        EXPECT_EQ(fit.report.lights.model, LightingModel{}) << name_of(fit.report.lights.model);
+        EXPECT_TRUE(fit.report.reflectance_model.stretches.chosen);
+        EXPECT_EQ(fit.report.reflectance_model.reflectance_model.haze, 0);
+        EXPECT_GT(fit.report.reflectance_model.stretches.anisotropic_db,
+                  fit.report.reflectance_model.stretches.isotropic_db + 1);
         ASSERT_FALSE(fit.surface.lobe_axes.empty());
         double metal = 0, paint = 0, specular = 0, alpha = 0, slope = 0;
         for (int y = 0; y < truth.height(); ++y)
@@ -306,7 +307,7 @@ TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLampsAsTheyAre) {
         EXPECT_NEAR(specular, 0.15, 0.005);
         EXPECT_NEAR(alpha, 0.25, 0.005);
         EXPECT_LT(slope, 0.005);
-        EXPECT_NEAR(fit.report.drawn_out, 0.5, 0.02);
+        EXPECT_NEAR(fit.report.anisotropic, 0.5, 0.02);
         EXPECT_GE(fit.report.solvers.cost_agrees + fit.report.solvers.cheaper,
                   0.97 * static_cast<double>(fit.report.solvers.compared));
     }
@@ -314,11 +315,12 @@ TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLampsAsTheyAre) {
 
 TEST(FitPainting, LeavesLobesIsotropicWhereTheyAreAndWhereItIsTold) {
     const FitResult fit = seeded_fit_of(half_brushed(Stretch(0)), {.refine = false});
-    EXPECT_FALSE(fit.report.law.stretches.chosen);
+    EXPECT_FALSE(fit.report.reflectance_model.stretches.chosen);
     EXPECT_TRUE(fit.surface.lobe_axes.empty());
-    const FitResult told = seeded_fit_of(half_brushed({0.5f, 0}), {.drawn_out_lobes = 0, .refine = false});
+    const FitResult told =
+        seeded_fit_of(half_brushed({0.5f, 0}), {.anisotropic_specular = 0, .refine = false});
     EXPECT_TRUE(told.surface.lobe_axes.empty());
-    EXPECT_EQ(told.report.drawn_out, 0);
+    EXPECT_EQ(told.report.anisotropic, 0);
 }
 
 }  // namespace

@@ -48,14 +48,14 @@ struct FittedRelief {
     }
 };
 
-WardPrior prior_at(const SlopePriors& priors, int x, int y) {
+WardPrior prior_at(const IntegrabilityPriors& priors, int x, int y) {
     WardPrior prior;
     priors.add_to(x, y, prior);
     return prior;
 }
 
 // The slope that least squares makes of a pixel's own and of the prior.
-glm::dvec2 combined(const FittedRelief& f, const SlopePriors& priors, int x, int y) {
+glm::dvec2 combined(const FittedRelief& f, const IntegrabilityPriors& priors, int x, int y) {
     const Slope own = slope_of(f.surface.normal(x, y));
     const WardPrior prior = prior_at(priors, x, y);
     const double information = 1 / (double(f.sigma(x, y)) * f.sigma(x, y));
@@ -143,10 +143,10 @@ std::vector<glm::dvec2> joint_slopes(const FittedRelief& f) {
     return slopes;
 }
 
-TEST(SlopePriors, BringSlopesNearTheJointMinimumThatCeresFinds) {
+TEST(IntegrabilityPriors, BringSlopesNearTheJointMinimumThatCeresFinds) {
     constexpr int kReliefSize = 48;
     const FittedRelief f(kReliefSize);
-    SlopePriors priors(f.surface, {});
+    IntegrabilityPriors priors(f.surface, {});
     priors.advance(0, kReliefSize);
     const std::vector<glm::dvec2> joint = joint_slopes(f);
     const Errors fitted = errors_of(f, [&](int x, int y) {
@@ -164,14 +164,14 @@ TEST(SlopePriors, BringSlopesNearTheJointMinimumThatCeresFinds) {
     EXPECT_LT(once.good, 1.02 * fitted.good);
 }
 
-TEST(SlopePriors, AreThoseOfThePlaneWithItsTilt) {
+TEST(IntegrabilityPriors, AreThoseOfThePlaneWithItsTilt) {
     Surface s(9, 7);
     s.mm_per_pixel = 0.5;
     const Slope slope{0.3f, -0.2f};
     for (Vec3& n : s.normal.pixels()) n = normal_of(slope);
     for (float& c : s.confidence.pixels()) c = 0.99f;
     // The height is what is left after the plane was taken off: nothing.
-    SlopePriors priors(s, {.a = 0.3 * 0.5, .b = -0.2 * 0.5, .c = 0});
+    IntegrabilityPriors priors(s, {.a = 0.3 * 0.5, .b = -0.2 * 0.5, .c = 0});
     priors.advance(0, 7);
     for (const auto& [x, y] : {std::pair{4, 3}, {0, 0}, {8, 6}}) {
         const WardPrior prior = prior_at(priors, x, y);
@@ -183,23 +183,23 @@ TEST(SlopePriors, AreThoseOfThePlaneWithItsTilt) {
                 1e-4);
 }
 
-TEST(SlopePriors, SayNothingOfWhatWasNotMeasured) {
+TEST(IntegrabilityPriors, SayNothingOfWhatWasNotMeasured) {
     Surface s(5, 5);
-    SlopePriors priors(s, {});
+    IntegrabilityPriors priors(s, {});
     priors.advance(0, 5);
     EXPECT_EQ(prior_at(priors, 2, 2).slope_sigma.x, std::numeric_limits<double>::infinity());
     s.confidence(2, 2) = 0.9f;  // alone
-    SlopePriors again(s, {});
+    IntegrabilityPriors again(s, {});
     again.advance(0, 5);
     EXPECT_EQ(prior_at(again, 2, 2).slope_sigma.y, std::numeric_limits<double>::infinity());
 }
 
-TEST(SlopePriors, RowsMayBeOverwrittenOnceTheyWereUsed) {
+TEST(IntegrabilityPriors, RowsMayBeOverwrittenOnceTheyWereUsed) {
     const FittedRelief f(40);
-    SlopePriors whole(f.surface, {});
+    IntegrabilityPriors whole(f.surface, {});
     whole.advance(0, 40);
     Surface overwritten = f.surface;
-    SlopePriors priors(overwritten, {});
+    IntegrabilityPriors priors(overwritten, {});
     for (int y0 = 0; y0 < 40; y0 += 7) {
         const int y1 = std::min(y0 + 7, 40);
         priors.advance(y0, y1);

@@ -1,5 +1,5 @@
-// occluded_pixels_test.cpp: pixels that few lamps reach are part of what is around them; lines of gold and of
-// black paint are not.
+// occluded_pixels_test.cpp: pixels that few lights reach are part of what is around them; lines of gold and
+// of black paint are not.
 #include "fit/material/occluded_pixels.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ FitResult fitted(const TestDir& folder, const PaintingTruth& truth, const Genera
     return fit_painting(open_stack(folder.path()), all);
 }
 
-// Two lamps overhead and 14 low ones: between thick strokes only the former are seen.
+// Two lights overhead and 14 low ones: between thick strokes only the former are seen.
 TEST(Crevices, AreNoBlackMirrors) {
     for (const Solver solver : {Solver::batch, Solver::ceres}) {
         const PaintingTruth truth = procedural_painting(
@@ -60,7 +60,7 @@ TEST(Crevices, AreNoBlackMirrors) {
 // Lines two pixels wide on flat paint: burnished gold, and glossy black.
 TEST(Crevices, LinesOfGoldAndOfBlackStayWhatTheyAre) {
     PaintingTruth truth(72, 60, 0.2);
-    truth.lobe_colour = Image<Rgb>(truth.width(), truth.height(), Rgb(1));
+    truth.specular_colour = Image<Rgb>(truth.width(), truth.height(), Rgb(1));
     const auto is_gold = [](int x) { return x % 24 == 8 || x % 24 == 9; };
     const auto is_black = [](int x) { return x % 24 == 18 || x % 24 == 19; };
     for (int y = 0; y < truth.height(); ++y)
@@ -72,7 +72,7 @@ TEST(Crevices, LinesOfGoldAndOfBlackStayWhatTheyAre) {
                 truth.diffuse(x, y) = Rgb(0.03f, 0.02f, 0.01f);
                 truth.specular(x, y) = 0.6f;
                 truth.roughness(x, y) = 0.2f;
-                truth.lobe_colour(x, y) = Rgb(1, 0.78f, 0.4f);
+                truth.specular_colour(x, y) = Rgb(1, 0.78f, 0.4f);
             } else if (is_black(x)) {
                 truth.diffuse(x, y) = Rgb(0.015f);
                 truth.roughness(x, y) = 0.12f;
@@ -119,19 +119,19 @@ TEST(Crevices, AreDarkAndUncertainOrMirrors) {
     set(11, 0.01f, 0.8f, 0.5f, 0.99f);  // dull metal
     set(13, 0.5f, 0.04f, 0.2f, 0.01f);  // of no known slope
     set(15, 0.01f, 0.8f, 0.1f, 0);      // was not measured
-    const Image<unsigned char> crevices = find_crevices(surface);
+    const Image<unsigned char> occluded = find_occluded_pixels(surface);
     std::vector<int> found;
     for (int y = 0; y < 21; ++y)
         for (int x = 0; x < 21; ++x)
-            if (crevices(x, y)) found.push_back(y == 10 ? x : -1);
+            if (occluded(x, y)) found.push_back(y == 10 ? x : -1);
     EXPECT_EQ(found, (std::vector{3, 5, 13}));
 
     FitErrors errors(21, 21);
-    const std::vector<float> before = distrust(crevices, surface);
+    const std::vector<float> before = distrust(occluded, surface);
     EXPECT_LT(surface.confidence(3, 10), 0.01f);
     EXPECT_EQ(surface.confidence(7, 10), 0.99f);
     EXPECT_EQ(surface.confidence(15, 10), 0);
-    trust_again(crevices, before, surface);
+    trust_again(occluded, before, surface);
     EXPECT_EQ(surface.confidence(3, 10), 0.99f);
     EXPECT_EQ(surface.confidence(5, 10), 0.5f);
     EXPECT_EQ(surface.confidence(13, 10), 0.01f);
@@ -139,7 +139,7 @@ TEST(Crevices, AreDarkAndUncertainOrMirrors) {
     surface.lobe_axes = Image<LobeAxes>(21, 21);
     for (std::size_t i = 0; i < surface.lobe_axes.size(); ++i)
         surface.lobe_axes.pixels()[i].roughness_v = surface.roughness.pixels()[i] / 2;
-    stand_in(crevices, surface, errors);
+    fill_from_neighbours(occluded, surface, errors);
     EXPECT_NEAR(brightness(surface.diffuse(13, 10)), 0.5, 0.06);
     EXPECT_LT(surface.specular(3, 10), 0.2f);
     EXPECT_GT(errors.specular(3, 10), 1);

@@ -23,7 +23,7 @@ struct Paint {
     Rgb lobe = kWhite;
 };
 
-// Under lamps of a dome, without noise; sigma as if of 12-bit photographs.
+// Under lights of a dome, without noise; sigma as if of 12-bit photographs.
 PixelSamples samples_of(const Paint& paint, int photos = 40) {
     PixelSamples s;
     s.resize(photos, 3);
@@ -60,7 +60,7 @@ TEST(LobeEvidence, KnowsMetalFromPaint) {
         PixelSamples s = samples_of(random_paint(random, metal ? kGold : kWhite));
         for (std::size_t k = 0; k < s.value.size(); ++k)
             s.value[k] = std::max(s.value[k] + 0.004 * random.normal(), 0.0);
-        const Rgb colour = lobe_colour_of(lobe_evidence(s, fitter.fit(s), {}));
+        const Rgb colour = specular_colour_of(lobe_evidence(s, fitter.fit(s), {}));
         EXPECT_EQ(std::max({colour.r, colour.g, colour.b}), 1);
         if (!metal) white += colour == kWhite;
         if (metal) seen += glm::length(colour - kGold) < 0.15f;
@@ -73,20 +73,20 @@ TEST(LobeEvidence, SaysNothingWhereNoLightShowsTheLobe) {
     Paint matt{.specular = 0};
     const PixelSamples s = samples_of(matt);
     WardFitter fitter({});
-    EXPECT_EQ(lobe_colour_of(lobe_evidence(s, fitter.fit(s), {})), kWhite);
+    EXPECT_EQ(specular_colour_of(lobe_evidence(s, fitter.fit(s), {})), kWhite);
     PixelSamples grey;
     grey.resize(10, 1);
     EXPECT_EQ(lobe_evidence(grey, {}, {}).weight, 0);
-    EXPECT_EQ(lobe_colour_of({Rgb(2, 0.5f, 0.5f), 0}), kWhite);
+    EXPECT_EQ(specular_colour_of({Rgb(2, 0.5f, 0.5f), 0}), kWhite);
 }
 
 TEST(LobeEvidence, ShrinksWhatIsNearlyWhiteToWhite) {
-    EXPECT_EQ(lobe_colour_of({Rgb(1.03f, 1, 0.97f), 1e6f}), kWhite);
-    const Rgb clear = lobe_colour_of({Rgb(1.4f, 1.1f, 0.5f), 1e6f});
+    EXPECT_EQ(specular_colour_of({Rgb(1.03f, 1, 0.97f), 1e6f}), kWhite);
+    const Rgb clear = specular_colour_of({Rgb(1.4f, 1.1f, 0.5f), 1e6f});
     EXPECT_NEAR(clear.b, 0.5 / 1.4, 0.03);
     EXPECT_EQ(clear.r, 1);
-    const Rgb missing = lobe_colour_of({Rgb(3, 0, 0), 1e6f});
-    EXPECT_GT(std::min(missing.g, missing.b), 0) << "whiten() divides by it";
+    const Rgb missing = specular_colour_of({Rgb(3, 0, 0), 1e6f});
+    EXPECT_GT(std::min(missing.g, missing.b), 0) << "divide_by_specular_colour() divides by it";
 }
 
 // Where a file keeps little of chroma, a paint's white highlight has the paint's own hue, in all pixels
@@ -105,10 +105,10 @@ TEST(LobeEvidence, OfTheHueOfSaturatedPaintIsWhite) {
     };
     LobeEvidence evidence = of_many(red);
     EXPECT_GT(evidence.weight, 100);
-    EXPECT_EQ(lobe_colour_of(evidence), kWhite);
+    EXPECT_EQ(specular_colour_of(evidence), kWhite);
     evidence.matt_hue = 0;
-    EXPECT_LT(lobe_colour_of(evidence).b, 0.5f) << "only the matt part speaks against it";
-    EXPECT_LT(glm::length(lobe_colour_of(of_many(copper)) - copper.lobe / 1.5f), 0.08f);
+    EXPECT_LT(specular_colour_of(evidence).b, 0.5f) << "only the matt part speaks against it";
+    EXPECT_LT(glm::length(specular_colour_of(of_many(copper)) - copper.lobe / 1.5f), 0.08f);
 }
 
 TEST(Whiten, MakesAColouredLobeAWhiteOne) {
@@ -119,13 +119,13 @@ TEST(Whiten, MakesAColouredLobeAWhiteOne) {
     for (int i = 0; i < 20; ++i) {
         const Paint paint = random_paint(random, kGold);
         PixelSamples s = samples_of(paint);
-        whiten(kGold, s);
+        divide_by_specular_colour(kGold, s);
         const WardEstimate e = coloured(fitter.fit(s), kGold);
         EXPECT_LT(glm::length(e.slope - paint.slope), 0.01);
         EXPECT_NEAR(e.specular, paint.specular, 0.03 * paint.specular + 0.003);
         EXPECT_NEAR(e.roughness, paint.alpha, 0.02 * paint.alpha + 0.003);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(e.diffuse[c], paint.diffuse[c], 0.01);
-        EXPECT_EQ(e.lobe_colour, glm::dvec3(kGold));
+        EXPECT_EQ(e.specular_colour, glm::dvec3(kGold));
     }
 }
 
@@ -143,7 +143,7 @@ TEST(LobeColours, AreSmoothWhereEvidenceAlternates) {
                 const int odd = (pattern == 0 ? x : pattern == 1 ? y : x + y) % 2;
                 evidence(x, y) = {kGold / 0.7033f + Rgb(odd ? 0.15f : -0.15f, odd ? -0.15f : 0.15f, 0), 16};
             }
-        const Image<Rgb> colours = lobe_colours(s, evidence);
+        const Image<Rgb> colours = specular_colours(s, evidence);
         for (int y = 0; y < size; ++y)
             for (int x = 1; x < size; ++x)
                 EXPECT_LE(glm::length(colours(x, y) - colours(x - 1, y)), 0.08f)
@@ -162,11 +162,11 @@ TEST(LobeColours, AreThoseOfNeighboursOfTheSameLook) {
             const auto noisy = [&](float v) { return v + 0.25f * static_cast<float>(random.normal()); };
             evidence(x, y) = {{noisy(colour.r), noisy(colour.g), noisy(colour.b)}, 16};
         }
-    const Image<Rgb> colours = lobe_colours(s, evidence);
+    const Image<Rgb> colours = specular_colours(s, evidence);
     double gold = 0, alone = 0, paint = 0;  // mean distances from the truth
     for (int y = 0; y < 20; ++y)
         for (int x = 0; x < 40; ++x) {
-            const Rgb of_itself = lobe_colour_of(evidence(x, y));
+            const Rgb of_itself = specular_colour_of(evidence(x, y));
             if (x < 20) gold += glm::length(colours(x, y) - kGold) / 400;
             if (x < 20) alone += glm::length(of_itself - kGold) / 400;
             if (x >= 20) paint += glm::length(colours(x, y) - kWhite) / 400;
@@ -177,10 +177,10 @@ TEST(LobeColours, AreThoseOfNeighboursOfTheSameLook) {
     EXPECT_EQ(colours(30, 3), kWhite) << "not measured";
 }
 
-// A panel of waves, left half gold, right half paint, under 30 lamps.
+// A panel of waves, left half gold, right half paint, under 30 lights.
 Surface half_gilded() {
     Surface s(48, 24);
-    s.lobe_colour = Image<Rgb>(s.width(), s.height(), kWhite);
+    s.specular_colour = Image<Rgb>(s.width(), s.height(), kWhite);
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x) {
             const bool gold = x < s.width() / 2;
@@ -190,7 +190,7 @@ Surface half_gilded() {
             s.specular(x, y) = gold ? 0.12f : 0.05f;
             s.roughness(x, y) = 0.2f;
             s.confidence(x, y) = 1;
-            if (gold) s.lobe_colour(x, y) = kGold;
+            if (gold) s.specular_colour(x, y) = kGold;
         }
     return s;
 }
@@ -218,13 +218,13 @@ FitResult fit_of(const Surface& truth, const FitOptions& options) {
 TEST(FitPainting, FindsTheColourOfGoldAndLeavesPaintWhite) {
     const Surface truth = half_gilded();
     const FitResult fit = fit_of(truth, {});
-    EXPECT_TRUE(fit.report.law.colours.chosen);
-    EXPECT_NEAR(fit.report.law.colours.part, 0.5, 0.1);
-    ASSERT_FALSE(fit.surface.lobe_colour.empty());
+    EXPECT_TRUE(fit.report.reflectance_model.colours.chosen);
+    EXPECT_NEAR(fit.report.reflectance_model.colours.part, 0.5, 0.1);
+    ASSERT_FALSE(fit.surface.specular_colour.empty());
     double gold = 0, paint = 0, specular = 0, slope = 0;
     for (int y = 0; y < truth.height(); ++y)
         for (int x = 0; x < truth.width(); ++x) {
-            const double off = glm::length(fit.surface.lobe_colour(x, y) - truth.lobe_colour(x, y));
+            const double off = glm::length(fit.surface.specular_colour(x, y) - truth.specular_colour(x, y));
             const Slope found = slope_of(fit.surface.normal(x, y)), is = slope_of(truth.normal(x, y));
             slope += std::hypot(found.x - is.x, found.y - is.y) / static_cast<double>(truth.height_mm.size());
             (x < truth.width() / 2 ? gold : paint) += off * 2 / static_cast<double>(truth.height_mm.size());
@@ -241,17 +241,17 @@ TEST(FitPainting, FindsTheColourOfGoldAndLeavesPaintWhite) {
 }
 
 TEST(FitPainting, TakesLobesForWhiteWhereItIsTold) {
-    const FitResult fit = fit_of(half_gilded(), {.coloured_lobes = 0, .refine = false});
-    EXPECT_TRUE(fit.surface.lobe_colour.empty());
+    const FitResult fit = fit_of(half_gilded(), {.coloured_specular = 0, .refine = false});
+    EXPECT_TRUE(fit.surface.specular_colour.empty());
     EXPECT_EQ(fit.report.coloured, 0);
 }
 
 TEST(FitPainting, LeavesLobesWhiteWhereTheyAre) {
     Surface truth = half_gilded();
-    truth.lobe_colour = {};
+    truth.specular_colour = {};
     const FitResult fit = fit_of(truth, {.refine = false});
-    EXPECT_FALSE(fit.report.law.colours.chosen);
-    EXPECT_TRUE(fit.surface.lobe_colour.empty());
+    EXPECT_FALSE(fit.report.reflectance_model.colours.chosen);
+    EXPECT_TRUE(fit.surface.specular_colour.empty());
 }
 
 }  // namespace

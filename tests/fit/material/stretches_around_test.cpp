@@ -1,4 +1,4 @@
-// stretches_around_test.cpp: how lobes are drawn out, by those of the pixels around.
+// stretches_around_test.cpp: how lobes are anisotropic, by those of the pixels around.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -16,7 +16,7 @@ namespace {
 
 TEST(LobeStretches, AreThoseOfNeighboursOfTheSameLook) {
     const Surface s = metal_beside_paint(40, 24, 10);
-    const AskedPixels asked = asked_pixels(40, 24);
+    const SampledPixels asked = sampled_pixels(40, 24);
     Image<StretchEvidence> evidence(asked.x.count, asked.y.count);
     ASSERT_EQ(asked.x.apart, 1);
     Random random(7);
@@ -75,7 +75,7 @@ TEST(LobeStretches, DoNotShowWhichPixelsWereAsked) {
     Surface s(kWidth, kHeight);
     s.confidence = Image<float>(kWidth, kHeight, 1.0f);
     s.diffuse = Image<Rgb>(kWidth, kHeight, Rgb(0.2f));
-    const AskedPixels asked = asked_pixels(kWidth, kHeight);
+    const SampledPixels asked = sampled_pixels(kWidth, kHeight);
     ASSERT_EQ(asked.x.apart, 9);
     const int glint_x = asked.look_x.at(40), glint_y = asked.look_y.at(41);
     s.diffuse(glint_x, glint_y) = Rgb(0.9f);
@@ -100,7 +100,7 @@ TEST(LobeStretches, DoNotShowWhichPixelsWereAsked) {
     EXPECT_GT(std::abs(stretches(glint_x, glint_y).x), 0.4f);
 }
 
-TEST(AskedPixels, AreFewEnoughAndTheSameFromAllSides) {
+TEST(SampledPixels, AreFewEnoughAndTheSameFromAllSides) {
     for (const auto& [width, height] : std::vector<std::array<int, 2>>{{1, 1},
                                                                        {2, 1},
                                                                        {48, 32},
@@ -110,7 +110,7 @@ TEST(AskedPixels, AreFewEnoughAndTheSameFromAllSides) {
                                                                        {1420, 999},
                                                                        {3000, 1000},
                                                                        {9001, 8000}}) {
-        const AskedPixels asked = asked_pixels(width, height), turned = asked_pixels(height, width);
+        const SampledPixels asked = sampled_pixels(width, height), turned = sampled_pixels(height, width);
         for (const auto& [places, looks, other, pixels] :
              {std::tuple(asked.x, asked.look_x, turned.y, width),
               std::tuple(asked.y, asked.look_y, turned.x, height)}) {

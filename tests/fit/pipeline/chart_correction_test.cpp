@@ -53,8 +53,9 @@ Surface truth() {
 }
 
 json capture_of(const glm::dmat3& to_camera) {
-    const glm::dvec3 lamp = to_camera * glm::dvec3(1);
-    const glm::dmat3 matrix = glm::inverse(to_camera) * glm::dmat3(lamp.r, 0, 0, 0, lamp.g, 0, 0, 0, lamp.b);
+    const glm::dvec3 light = to_camera * glm::dvec3(1);
+    const glm::dmat3 matrix =
+        glm::inverse(to_camera) * glm::dmat3(light.r, 0, 0, 0, light.g, 0, 0, 0, light.b);
     json rows = json::array(), patches = json::array();
     for (int r = 0; r < 3; ++r) rows.push_back({matrix[0][r], matrix[1][r], matrix[2][r]});
     for (const auto& patch : classic_chart().patches)
@@ -68,10 +69,10 @@ json capture_of(const glm::dmat3& to_camera) {
              {{"chart", {{"chart_to_picture", {{kPitch, 0, -0.5}, {0, kPitch, kChartTop - 0.5}, {0, 0, 1}}}}},
               {"transfer", {{"name", "linear"}}},
               {"correction",
-               {{"white_balance", {1 / lamp.r, 1 / lamp.g, 1 / lamp.b}},
+               {{"white_balance", {1 / light.r, 1 / light.g, 1 / light.b}},
                 {"matrix", rows},
                 {"patches", patches},
-                {"delta_e_2000", {{"left_out", {{"mean", 0.5}}}}}}}}}};
+                {"delta_e_2000", {{"cross_validated", {{"mean", 0.5}}}}}}}}}};
 }
 
 struct Photographed {
@@ -117,13 +118,13 @@ TEST(ChartColours, MakeReflectanceColorimetricAndAbsoluteAndRelitPhotographsAsBe
     EXPECT_NEAR(with.surface.photography.white_level, kWhiteLevel, 0.01 * kWhiteLevel);
     EXPECT_LT(mean_delta_e(with.surface.diffuse, photographed.painted.diffuse), 1);
     EXPECT_GT(mean_delta_e(without.surface.diffuse, photographed.painted.diffuse), 8);
-    // Gloss is white in the light of the lamps, not in the camera's channels.
+    // Gloss is white in the light of the lights, not in the camera's channels.
     EXPECT_NEAR(with.surface.specular(20, 10), 0.05, 0.01);
 
     const CompareReport a = compare(with.surface, photographed.open(true));
     const CompareReport b = compare(without.surface, photographed.open(false));
     EXPECT_GT(a.all.psnr_db, 35);
-    // The lobe has the lamps' colour only where that is known: without a chart it is the worse for it.
+    // The lobe has the lights' colour only where that is known: without a chart it is the worse for it.
     EXPECT_GT(a.all.psnr_db, b.all.psnr_db - 0.05);
     // The way back survives the painting file.
     write_painting(photographed.dir / "p.exr", with.surface);

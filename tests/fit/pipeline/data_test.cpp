@@ -216,16 +216,16 @@ double chart_delta_e(const fs::path& props, const Surface& s) {
     return sum / static_cast<double>(chart.size());
 }
 
-// Nothing of the ground truth goes in: lamps from the two balls, the camera's shake from the photographs.
-TEST(DataHandheld, PaintingOfAHandheldLampReachesItsFigures) {
+// Nothing of the ground truth goes in: lights from the two spheres, the camera's shake from the photographs.
+TEST(DataHandheld, PaintingOfAHandheldLightReachesItsFigures) {
     TP_DATA(folder, "handheld");
     const TestDir out;
     std::vector<std::string> warnings;
-    const BallCalibration balls = calibrate_from_balls(
+    const SphereCalibration spheres = calibrate_from_spheres(
         pictures_in(folder / "png16", warnings),
-        {.ball_radius_mm = 12, .focal_px = 1408, .camera_distance_mm = 600, .ball_height_mm = 6});
+        {.sphere_radius_mm = 12, .focal_px = 1408, .camera_distance_mm = 600, .sphere_height_mm = 6});
     const CalibrationFiles files = write_calibration(
-        out / "lights.lp", {.lights = balls,
+        out / "lights.lp", {.lights = spheres,
                             .colours = calibrate_colours(pictures_in(folder / "png16", warnings),
                                                          {.reference = folder / "chart_reference.json"})});
     Stack stack = open_stack(folder / "png16", {.lights_file = files.json});

@@ -45,7 +45,7 @@ Surface hills() {
 
 // What photographs of relief with these normals and this height show, at every other pixel.
 Survey photographed(const Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights,
-                    double radius_deg = Rig::kPointLamp_deg) {
+                    double radius_deg = Rig::kPointLight_deg) {
     Survey survey;
     survey.channels = 1;
     survey.photos.resize(lights.size());
@@ -76,7 +76,7 @@ constexpr HeightOptions kNoCliffs{.robust_sweeps = 0};
 Image<float> height_with(const Surface& surface, double mixing) {
     Image<float> z;
     integrate_normals(
-        mixing > 0 ? unmixed_normals(surface.normal, surface.confidence, mixing) : surface.normal,
+        mixing > 0 ? steepened_normals(surface.normal, surface.confidence, mixing) : surface.normal,
         surface.confidence, surface.mm_per_pixel, z, kNoCliffs);
     subtract(best_plane(z, surface.confidence), z);
     return z;
@@ -117,7 +117,7 @@ TEST(FinalHeight, ItsErrorSaysThatHowSteepSlopesAreIsRoughlyKnown) {
     final_height(surface, photographed(surface, height_with(surface, 0.8), ring(25)), {},
                  {.lights = ring(25), .rig = {}}, kNoCliffs, {.shadows_tell = true}, &errors, {});
     Image<float> z;
-    integrate_normals(unmixed_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
+    integrate_normals(steepened_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
                       surface.mm_per_pixel, z, kNoCliffs, {}, {.error_mm = &alone});
     const double off = rms_difference(height_with(surface, 0.8), height_with(surface, 0.4));
     double sum = 0, expected = 0;
@@ -143,9 +143,9 @@ TEST(FinalHeight, TellsWhatItTriedAndThatItIsDone) {
     EXPECT_EQ(tried, 1);  // though 0.8 was not tried
     const nlohmann::json written = to_json(result.choice);
     EXPECT_EQ(written["cliffs"], false);
-    EXPECT_EQ(written["slope_mixing"], 0.2);
+    EXPECT_EQ(written["subpixel_slope_bias"], 0.2);
     ASSERT_EQ(written["tried"].size(), 3u);
-    EXPECT_EQ(written["tried"][2]["slope_mixing"], 0.4);
+    EXPECT_EQ(written["tried"][2]["subpixel_slope_bias"], 0.4);
     EXPECT_LT(written["tried"][1]["shadow_misfit"], written["tried"][0]["shadow_misfit"]);
     EXPECT_LT(written["tried"][1]["shadow_misfit"], written["tried"][2]["shadow_misfit"]);
 }
@@ -181,22 +181,22 @@ double found_radius_deg(double radius_deg, double elevation_deg, float higher = 
     const std::vector<Light> lights = ring(elevation_deg);
     const Survey survey = photographed(surface, surface.height_mm, lights, radius_deg);
     for (float& z : surface.height_mm.pixels()) z *= higher;
-    return find_lamp_radius(surface, survey, {}, {.lights = lights, .rig = {}}).deg;
+    return find_light_angular_radius(surface, survey, {}, {.lights = lights, .rig = {}}).deg;
 }
 
-TEST(LampRadius, IsThatOfTheLampsWhoseShadowsAreSeen) {
+TEST(LightAngularRadius, IsThatOfTheLightsWhoseShadowsAreSeen) {
     for (const double deg : {1.5, 2.0, 3.0, 4.0, 5.0})
         EXPECT_NEAR(found_radius_deg(deg, 25) / deg, 1, 0.25) << deg;
     EXPECT_EQ(found_radius_deg(12, 25), 8);  // larger ones are not looked for
 }
 
-TEST(LampRadius, IsSmallWhereShadowsAreHardOrNone) {
+TEST(LightAngularRadius, IsSmallWhereShadowsAreHardOrNone) {
     EXPECT_EQ(found_radius_deg(0, 25), 0.25);
     EXPECT_EQ(found_radius_deg(0.25, 25), 0.25);
     EXPECT_EQ(found_radius_deg(4, 75), 0.25);
 }
 
-TEST(LampRadius, OfAHeightThatIsOffIsNotBelowTheTrueOne) {
+TEST(LightAngularRadius, OfAHeightThatIsOffIsNotBelowTheTrueOne) {
     for (const double deg : {0.25, 2.0, 4.0}) EXPECT_GE(found_radius_deg(deg, 25, 1.1f), 0.85 * deg);
 }
 

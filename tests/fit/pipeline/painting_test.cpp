@@ -87,7 +87,7 @@ TEST(FitPainting, LeavesOutWhatTheMaskLeavesOut) {
     for (int y = 5; y < 20; ++y)
         for (int x = 10; x < 25; ++x) mask(x, y) = 0;
     write_map(small.folder / "mask.tif", mask, {.bits = 8});
-    // The lamps are calibrated on other samples where a part is left out.
+    // The lights are calibrated on other samples where a part is left out.
     const FitOptions options{.lights_as_given = true, .refine = false};
     const FitResult fit =
         fit_painting(small.open({.mask_file = small.folder / "mask.tif", .transfer = Transfer{}}), options);
@@ -109,7 +109,7 @@ TEST(FitPainting, LeavesOutWhatTheMaskLeavesOut) {
 
 TEST(FitPainting, ACropIsTheCropOfTheWholeBitForBit) {
     const SmallStack small;
-    // Else lamps are calibrated on the crop's samples, and pixels look at neighbours.
+    // Else lights are calibrated on the crop's samples, and pixels look at neighbours.
     const FitOptions options{.lights_as_given = true, .refine = false};
     const FitResult whole = fit_painting(small.open(), options);
     const FitResult crop =
@@ -343,9 +343,9 @@ TEST(FitPainting, TheSecondPassOfMirroredPhotographsIsMirrored) {
     write_mirrored(small.open(), folder);
     const Surface expected = fit_painting(small.open()).surface;
     const Surface actual = fit_painting(open_stack(folder.path(), {.transfer = Transfer{}})).surface;
-    ASSERT_EQ(actual.law, expected.law);
+    ASSERT_EQ(actual.reflectance_model, expected.reflectance_model);
     // Shadows follow the height of the first pass, which is solved to 1e-3 of a millimetre: where its horizon
-    // cuts a lamp, more than rounding is left. A pixel with two minima may take the other one.
+    // cuts a light, more than rounding is left. A pixel with two minima may take the other one.
     int apart = 0;
     double sum = 0;
     for (int y = 0; y < kHeight; ++y)

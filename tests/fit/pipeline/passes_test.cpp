@@ -22,7 +22,7 @@ TEST(FitPasses, SayByHowMuchPhotographsDiffer) {
     EXPECT_EQ(beyond_expected(2.34), "2.3 times what is expected (in the median)");
 }
 
-// Most pixels are in shadow of some lamp, which the first pass does not know: it explains them badly, and is
+// Most pixels are in shadow of some light, which the first pass does not know: it explains them badly, and is
 // believed all the same, since its height casts the shadows that the photographs show, however much light
 // reaches them from all around.
 TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
@@ -56,7 +56,7 @@ TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
         EXPECT_TRUE(choice.carving_kept);
         EXPECT_GT(choice.carved.contradicted, 1000);
         EXPECT_LT(choice.carved.left, 0.75 * static_cast<double>(choice.carved.contradicted));
-        EXPECT_EQ(once.report.height_choice.carved.lamps, 0);
+        EXPECT_EQ(once.report.height_choice.carved.lights, 0);
         EXPECT_GT(after, before + 1);
         EXPECT_LT(error_after, error_before);
         for (const std::string& warning : twice.report.warnings)
@@ -64,8 +64,8 @@ TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
     }
 }
 
-// Gold under few lamps is explained badly by a pass that asks no neighbours.
-TEST(FitPasses, MetalUnderFewLampsIsRefined) {
+// Gold under few lights is explained badly by a pass that asks no neighbours.
+TEST(FitPasses, MetalUnderFewLightsIsRefined) {
     const TestDir folder;
     const PaintingTruth truth = procedural_painting(
         {.seed = 10, .width = 180, .height = 140, .mm_per_pixel = 0.2, .impasto = 0.5, .gilding = true});

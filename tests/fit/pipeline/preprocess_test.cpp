@@ -11,16 +11,16 @@ namespace tangi {
 namespace {
 
 // Calibration knows no lights yet, and may do with one photograph.
-TEST(LookOver, LeavesBlackPhotographsOutBeforeLightsAreKnown) {
+TEST(Preprocessed, LeavesBlackPhotographsOutBeforeLightsAreKnown) {
     const TestDir dir;
     write_test_stack(dir, dome_lights(4));
     write_picture_8bit(dir / "photo_000.png", Image<Rgb>(8, 6, Rgb(0)));
     Stack stack = open_stack(dir.path());
     for (StackPhoto& photo : stack.photos) photo.light.direction = {0, 0, 1};
-    const std::vector<LeftOut> left_out = leave_out_damaged_and_copies(stack, {});
-    ASSERT_EQ(left_out.size(), 1u);
-    EXPECT_EQ(left_out[0].name, "photo_000.png");
-    EXPECT_THAT(left_out[0].reason, testing::HasSubstr("black"));
+    const std::vector<RejectedPhoto> rejected = leave_out_damaged_and_copies(stack, {});
+    ASSERT_EQ(rejected.size(), 1u);
+    EXPECT_EQ(rejected[0].name, "photo_000.png");
+    EXPECT_THAT(rejected[0].reason, testing::HasSubstr("black"));
     EXPECT_EQ(stack.photos.size(), 3u);
     for (int i = 1; i < 4; ++i)
         write_picture_8bit(dir / fmt::format("photo_{:03}.png", i), Image<Rgb>(8, 6, Rgb(0)));

@@ -54,7 +54,8 @@ Rgb sampled(const Image<Rgb>& picture, const dvec2& p) {
                     glm::mix(picture(x, y + 1), picture(x + 1, y + 1), fx), fy);
 }
 
-// Photographs of the painting on a grey table; lights in the camera's frame, as a ball beside it tells them.
+// Photographs of the painting on a grey table; lights in the camera's frame, as a sphere beside it tells
+// them.
 struct Aside {
     TestDir dir;
     Surface truth = painted();
@@ -90,7 +91,7 @@ struct Aside {
         const double w = kPaintedWidth * kPitch_mm / 2, h = kPaintedHeight * kPitch_mm / 2;
         Corners corners = {dvec2(-w, h), dvec2(w, h), dvec2(w, -h), dvec2(-w, -h)};
         for (dvec2& corner : corners) corner = distorted(kLens, mapped(seen(), corner));
-        calibration.lights = without_balls(paths, {.focal_px = kFocal_px});
+        calibration.lights = without_spheres(paths, {.focal_px = kFocal_px});
         calibration.plane = calibrate_plane(paths,
                                             {.corners_px = corners,
                                              .painting_mm = dvec2(2 * w, 2 * h),

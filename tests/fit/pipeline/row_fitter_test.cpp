@@ -1,4 +1,4 @@
-// row_fitter_test.cpp: rows fitted in batches and by Ceres alone; lamps near and far.
+// row_fitter_test.cpp: rows fitted in batches and by Ceres alone; lights near and far.
 #include "fit/pipeline/row_fitter.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(RowFitter, FindsInBatchesWhatCeresFinds) {
     EXPECT_LE(agreement.polished, agreement.doubtful);
 }
 
-TEST(RowFitter, FindsItUnderNearLampsABentFieldAndANearCamera) {
+TEST(RowFitter, FindsItUnderNearLightsABentFieldAndANearCamera) {
     BandScene scene;
     scene.lighting.rig.ambient = 0.03f;
     scene.lighting.rig.camera_distance_mm = 60;
@@ -69,11 +69,11 @@ TEST(RowFitter, FindsItUnderNearLampsABentFieldAndANearCamera) {
         light.gain = {1.1f, 0.9f, 0.8f};
         if (i % 3) light.position_mm = light.direction * (30.0f + static_cast<float>(i));
     }
-    // These are not the lamps that the photographs had, so more pixels than usual have two minima.
+    // These are not the lights that the photographs had, so more pixels than usual have two minima.
     expect_alike(scene.fit(Solver::batch), scene.fit(Solver::ceres), 0.9);
 }
 
-TEST(RowFitter, FindsItUnderUnevenLamps) {
+TEST(RowFitter, FindsItUnderUnevenLights) {
     BandScene scene;
     BandScene even;
     for (std::size_t i = 0; i < scene.lighting.lights.size(); ++i) {

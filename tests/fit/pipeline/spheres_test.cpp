@@ -1,4 +1,5 @@
-// spheres_test.cpp: real photographs of a grey ball and of a rock, by the lamps that a mirror ball shows.
+// spheres_test.cpp: real photographs of a grey sphere and of a rock, by the lights that a mirror sphere
+// shows.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -15,12 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Lamps of the chrome ball, found without a hint, for the photographs of another object under the same lamps,
-// as calibrate writes them: standard errors lie beside.
+// Lights of the chrome sphere, found without a hint, for the photographs of another object under the same
+// lights, as calibrate writes them: standard errors lie beside.
 fs::path lights_of_chrome(const fs::path& spheres, const TestDir& out) {
     std::vector<std::string> warnings;
-    const BallCalibration balls = calibrate_from_balls(pictures_in(spheres / "chrome", warnings), {});
-    return write_calibration(out / "lights.lp", {.lights = balls}).lights;
+    const SphereCalibration found = calibrate_from_spheres(pictures_in(spheres / "chrome", warnings), {});
+    return write_calibration(out / "lights.lp", {.lights = found}).lights;
 }
 
 Stack object_stack(const fs::path& spheres, const std::string& object, const TestDir& out) {
@@ -28,11 +29,11 @@ Stack object_stack(const fs::path& spheres, const std::string& object, const Tes
                                          .mask_file = spheres / object / (object + ".mask.tga")});
 }
 
-// The ball is not matt as Lambert's: light by cosine is 20 % more at 80 degrees than below 50, by all lamps,
-// and the lamps are 1.5 degrees from where the chrome ball showed them. 12 photographs are too few for the
-// fit to find out either by those left out; together, within what the chrome ball leaves open, all of them
-// tell both (docs/method.md).
-double error_of_grey_ball_deg(const std::filesystem::path& folder, const FitOptions& options) {
+// The sphere is not matt as Lambert's: light by cosine is 20 % more at 80 degrees than below 50, by all
+// lights, and the lights are 1.5 degrees from where the chrome sphere showed them. 12 photographs are too few
+// for the fit to find out either by those left out; together, within what the chrome sphere leaves open, all
+// of them tell both (docs/method.md).
+double error_of_grey_sphere_deg(const std::filesystem::path& folder, const FitOptions& options) {
     const TestDir out;
     Stack stack = object_stack(folder, "gray", out);
     const Image<std::uint8_t> mask = stack.mask;
@@ -53,7 +54,7 @@ double error_of_grey_ball_deg(const std::filesystem::path& folder, const FitOpti
         for (int x = x0; x <= x1; ++x) {
             const glm::dvec2 at = (glm::dvec2(x, y) - centre) / radius;
             const double square = glm::dot(at, at);
-            // Beyond 72 degrees too few of the twelve lamps reach.
+            // Beyond 72 degrees too few of the twelve lights reach.
             if (square > 0.95 * 0.95 || !(fit.surface.confidence(x, y) > 0)) continue;
             const glm::dvec3 truth(at.x, -at.y, std::sqrt(1 - square));
             sum += std::acos(std::min(1.0, glm::dot(truth, glm::dvec3(fit.surface.normal(x, y)))));
@@ -64,14 +65,15 @@ double error_of_grey_ball_deg(const std::filesystem::path& folder, const FitOpti
     return degrees;
 }
 
-TEST(DataSpheres, NormalsOfTheGreyBallAreWithin4Degrees) {
+TEST(DataSpheres, NormalsOfTheGreySphereAreWithin4Degrees) {
     TP_DATA(folder, "spheres");
-    const double found = error_of_grey_ball_deg(folder, {});
-    const double unregistered = error_of_grey_ball_deg(folder, {.register_photos = false});
+    const double found = error_of_grey_sphere_deg(folder, {});
+    const double unregistered = error_of_grey_sphere_deg(folder, {.register_photos = false});
     const double as_listed =
-        error_of_grey_ball_deg(folder, {.register_photos = false, .lights_as_given = true});
+        error_of_grey_sphere_deg(folder, {.register_photos = false, .lights_as_given = true});
     std::cout << fmt::format(
-        "[  FIGURE  ] normals of the grey ball: {:.2f} deg, not registered {:.2f}, with the lights as given "
+        "[  FIGURE  ] normals of the grey sphere: {:.2f} deg, not registered {:.2f}, with the lights as "
+        "given "
         "{:.2f}\n",
         found, unregistered, as_listed);
     EXPECT_LE(found, 4);

@@ -13,7 +13,7 @@
 namespace tangi {
 namespace {
 
-// Paint of all kinds under 40 lamps, with noise as large as the samples say and no other error.
+// Paint of all kinds under 40 lights, with noise as large as the samples say and no other error.
 struct Coverage {
     int count = 0, slope = 0, diffuse = 0, specular = 0, roughness = 0;  // inside the 95 % interval
 };

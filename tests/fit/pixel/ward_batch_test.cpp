@@ -46,7 +46,8 @@ std::vector<WardSolution> in_batches(const std::vector<PixelSamples>& pixels, co
 double cost_at(const PixelSamples& s, const WardFitOptions& options, const WardEstimate& e) {
     const WardVector theta = {e.slope.x,    e.slope.y,    std::log(e.roughness), e.specular,
                               e.diffuse[0], e.diffuse[1], e.diffuse[2]};
-    return WardResiduals(s, options.prior, options.robust_scale, options.law).cost(theta.data());
+    return WardResiduals(s, options.prior, options.robust_scale, options.reflectance_model)
+        .cost(theta.data());
 }
 
 class WardBatchFit : public OnInstructionSet {};
@@ -96,7 +97,7 @@ TEST_P(WardBatchFit, FindsItForGreyPhotographs) { expect_agreement(some_pixels(1
 TEST_P(WardBatchFit, FindsItWithModelErrorRoughDiffuseReflectionAndHaze) {
     WardFitOptions options;
     options.model_error = 0.05;
-    options.law = {.diffuse_roughness = 0.4, .haze = 0.3};
+    options.reflectance_model = {.diffuse_roughness = 0.4, .haze = 0.3};
     // sigma has the model's error in it once already: costs are compared where the fitter's own adds nothing.
     options.model_error = 0;
     expect_agreement(some_pixels(101, 3), options);

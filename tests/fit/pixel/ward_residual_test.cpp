@@ -246,8 +246,9 @@ TEST(WardResiduals, DerivativesHoldForEveryLaw) {
     Random random(11);
     for (int trial = 0; trial < 100; ++trial) {
         const PixelSamples samples = random_samples(random, 12, 3);
-        const ReflectanceLaw law{.diffuse_roughness = random.uniform(0, 1), .haze = random.uniform(0, 1)};
-        const WardResiduals residuals(samples, {}, kRobustScale, law);
+        const ReflectanceModel reflectance_model{.diffuse_roughness = random.uniform(0, 1),
+                                                 .haze = random.uniform(0, 1)};
+        const WardResiduals residuals(samples, {}, kRobustScale, reflectance_model);
         // A light as far from the normal as the camera, to 1e-6, would be at a kink; none of these is.
         EXPECT_LT(worst_difference(residuals, random_parameters(random)), kDifferenceError) << trial;
     }
@@ -322,14 +323,14 @@ TEST(WardTerms, AgreeWithTheRendererForEveryLaw) {
     for (int trial = 0; trial < 500; ++trial) {
         const WardVector theta = random_parameters(random, 0.08);
         Surface s(1, 1);
-        s.law = {.diffuse_roughness = random.uniform(0, 1), .haze = random.uniform(0, 1)};
+        s.reflectance_model = {.diffuse_roughness = random.uniform(0, 1), .haze = random.uniform(0, 1)};
         s.normal(0, 0) = Vec3(normal_at(theta));
         s.diffuse(0, 0) = Rgb(theta[4], theta[5], theta[6]);
         s.specular(0, 0) = static_cast<float>(theta[3]);
         s.roughness(0, 0) = static_cast<float>(std::exp(theta[2]));
         const Vec3 l = random.direction(0.02), v = random.direction(0.9);
-        const WardTerms t =
-            ward_terms(theta.data(), glm::normalize(glm::dvec3(l)), glm::normalize(glm::dvec3(v)), s.law);
+        const WardTerms t = ward_terms(theta.data(), glm::normalize(glm::dvec3(l)),
+                                       glm::normalize(glm::dvec3(v)), s.reflectance_model);
         const Rgb shown = reflected(s, 0, 0, l, v, WardModel::bounded);
         if (glm::dot(s.normal(0, 0), v) < 1e-3f) continue;  // not seen
         for (int c = 0; c < 3; ++c)

@@ -61,29 +61,29 @@ Rgb smooth_extra(int x, int y, const Vec3& l, std::size_t) {
     return swing * Rgb(0.5f, 0.35f, 0.3f) + 0.02f * l.x * Rgb(1, -0.5f, 0.2f);
 }
 
-TEST(FaithfulFit, WhatIsSmoothOverTheLightIsPredictedAtLightsItNeverSaw) {
+TEST(ResidualFit, WhatIsSmoothOverTheLightIsPredictedAtLightsItNeverSaw) {
     const Scene scene(smooth_extra);
-    const FaithfulFit fit = fit_faithful(scene.surface, scene.stack, {.faithful_samples = 200});
+    const ResidualFit fit = fit_residual(scene.surface, scene.stack, {.residual_samples = 200});
     EXPECT_TRUE(fit.report.used);
-    EXPECT_GT(fit.report.left_out_db, fit.report.surface_db + 6);
+    EXPECT_GT(fit.report.cv_psnr_db, fit.report.surface_db + 6);
     EXPECT_LE(fit.report.terms, 24);
     const CompareReport report = compare(scene.surface, scene.stack, {}, {}, {}, fit.residual);
-    ASSERT_TRUE(report.held_out.faithful_psnr_db.has_value());
-    EXPECT_GT(*report.held_out.faithful_psnr_db, report.held_out.psnr_db + 6);
-    EXPECT_GT(*report.fitted.faithful_psnr_db, report.fitted.psnr_db + 6);
-    for (const PhotoComparison& photo : report.photos) EXPECT_TRUE(photo.faithful_psnr_db.has_value());
-    EXPECT_TRUE(to_json(report)["mean"]["held_out"].contains("faithful_psnr_db"));
+    ASSERT_TRUE(report.held_out.residual_psnr_db.has_value());
+    EXPECT_GT(*report.held_out.residual_psnr_db, report.held_out.psnr_db + 6);
+    EXPECT_GT(*report.fitted.residual_psnr_db, report.fitted.psnr_db + 6);
+    for (const PhotoComparison& photo : report.photos) EXPECT_TRUE(photo.residual_psnr_db.has_value());
+    EXPECT_TRUE(to_json(report)["mean"]["held_out"].contains("residual_psnr_db"));
     EXPECT_FALSE(
-        to_json(compare(scene.surface, scene.stack))["mean"]["held_out"].contains("faithful_psnr_db"));
+        to_json(compare(scene.surface, scene.stack))["mean"]["held_out"].contains("residual_psnr_db"));
 }
 
-TEST(FaithfulFit, HeldOutPhotographsHaveNoPartAndThreadsChangeNothing) {
+TEST(ResidualFit, HeldOutPhotographsHaveNoPartAndThreadsChangeNothing) {
     const Scene scene(smooth_extra);
-    const FaithfulFit first = fit_faithful(scene.surface, scene.stack, {.faithful_samples = 200});
+    const ResidualFit first = fit_residual(scene.surface, scene.stack, {.residual_samples = 200});
     for (const StackPhoto& photo : scene.stack.held_out)
         write_picture(photo.path, Image<Rgb>(30, 24, Rgb(0.9f)), Transfer{});
     set_thread_count(1);
-    const FaithfulFit second = fit_faithful(scene.surface, scene.stack, {.faithful_samples = 200});
+    const ResidualFit second = fit_residual(scene.surface, scene.stack, {.residual_samples = 200});
     set_thread_count(0);
     ASSERT_EQ(first.residual.brightness.size(), second.residual.brightness.size());
     EXPECT_EQ(first.residual.brightness_weights, second.residual.brightness_weights);
@@ -91,20 +91,20 @@ TEST(FaithfulFit, HeldOutPhotographsHaveNoPartAndThreadsChangeNothing) {
         EXPECT_TRUE(images_identical(first.residual.brightness[t], second.residual.brightness[t]));
 }
 
-TEST(FaithfulFit, NoiseIsNoResidual) {
+TEST(ResidualFit, NoiseIsNoResidual) {
     Random random(5);
     const Scene scene([&](int, int, const Vec3&, std::size_t) {
         return Rgb(random.real(-0.03, 0.03), random.real(-0.03, 0.03), random.real(-0.03, 0.03));
     });
-    const FaithfulFit fit = fit_faithful(scene.surface, scene.stack, {.faithful_samples = 200});
+    const ResidualFit fit = fit_residual(scene.surface, scene.stack, {.residual_samples = 200});
     EXPECT_FALSE(fit.report.used);
     EXPECT_TRUE(fit.residual.empty());
 }
 
-// Residuals that change within the step between lamps: left-out photographs tell hardly anything of them, and
-// nothing of how near a photograph one may go by it.
-TEST(FaithfulFit, OfKernelsThatGainAsMuchTheMostCarefulOneIsTaken) {
-    using namespace faithful;
+// Residuals that change within the step between lights: validation photographs tell hardly anything of them,
+// and nothing of how near a photograph one may go by it.
+TEST(ResidualFit, OfKernelsThatGainAsMuchTheMostCarefulOneIsTaken) {
+    using namespace residual_kernel;
     constexpr int kSamples = 400;
     std::vector<Vec3> directions;
     for (int i = 0; i < 24; ++i) {
@@ -135,15 +135,15 @@ TEST(FaithfulFit, OfKernelsThatGainAsMuchTheMostCarefulOneIsTaken) {
     EXPECT_GE(choice.ridge, 0.3);
 }
 
-TEST(FaithfulFit, FewPhotographsAndOtherSizesAreErrors) {
+TEST(ResidualFit, FewPhotographsAndOtherSizesAreErrors) {
     Scene scene(smooth_extra);
     Stack few = scene.stack;
     few.photos.resize(7);
-    EXPECT_THAT(error_of([&] { fit_faithful(scene.surface, few); }),
-                testing::AllOf(HasSubstr("7 photographs are too few"), HasSubstr("without --faithful")));
+    EXPECT_THAT(error_of([&] { fit_residual(scene.surface, few); }),
+                testing::AllOf(HasSubstr("7 photographs are too few"), HasSubstr("without --residual")));
     const Surface small(8, 8);
-    EXPECT_THAT(error_of([&] { fit_faithful(small, scene.stack); }), HasSubstr("the painting is 8 x 8"));
-    EXPECT_THROW(fit_faithful(scene.surface, scene.stack, {}, [](auto, double) { return false; }), Cancelled);
+    EXPECT_THAT(error_of([&] { fit_residual(small, scene.stack); }), HasSubstr("the painting is 8 x 8"));
+    EXPECT_THROW(fit_residual(scene.surface, scene.stack, {}, [](auto, double) { return false; }), Cancelled);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ std::vector<float> values(const Image<float>& image) {
     return {image.pixels().begin(), image.pixels().end()};
 }
 
-Lighting lamps(int around, std::initializer_list<double> elevations_deg) {
+Lighting lights(int around, std::initializer_list<double> elevations_deg) {
     Lighting lighting;
     for (const double elevation : elevations_deg)
         for (int i = 0; i < around; ++i) {
@@ -76,8 +76,9 @@ WardBatch photographed(const Surface& s, const CastShadows& shadows, const Light
     return batch;
 }
 
-LampsSeen seen(const Surface& s, const Image<float>& height_mm, const Lighting& lighting, int left = 0) {
-    LampsSeen result(s.width(), s.height(), static_cast<int>(lighting.lights.size()));
+LightVisibility seen(const Surface& s, const Image<float>& height_mm, const Lighting& lighting,
+                     int left = 0) {
+    LightVisibility result(s.width(), s.height(), static_cast<int>(lighting.lights.size()));
     const CastShadows known(s.height_mm, s.mm_per_pixel, kRadiusDeg),
         true_ones(height_mm, s.mm_per_pixel, kRadiusDeg);
     for (int y = 0; y < s.height(); ++y)
@@ -100,7 +101,7 @@ TEST(ShadowCarving, FindsMostOfHowThickAFlakeIs) {
     for (const float mm : {1.0f, 2.0f}) {
         Surface s = flat();
         const Image<float> truth = flake(mm);
-        const Lighting lighting = lamps(16, {15, 20, 25, 30, 35, 45});
+        const Lighting lighting = lights(16, {15, 20, 25, 30, 35, 45});
         const CarveReport report = carve_shadows(seen(s, truth, lighting), lighting, edges_of(s), s);
         EXPECT_GT(report.contradicted, 5000);
         EXPECT_LT(report.left, report.contradicted / 2);
@@ -116,7 +117,7 @@ TEST(ShadowCarving, FindsMostOfHowThickAFlakeIs) {
 TEST(ShadowCarving, TakesOffWhatWouldHideLitPixels) {
     Surface s = flat();
     s.height_mm = flake(1);
-    const Lighting lighting = lamps(16, {15, 25, 35});
+    const Lighting lighting = lights(16, {15, 25, 35});
     const CarveReport report = carve_shadows(seen(s, flat().height_mm, lighting), lighting, edges_of(s), s);
     EXPECT_GT(report.contradicted, 1000);
     EXPECT_LT(report.left, report.contradicted / 4);
@@ -127,9 +128,9 @@ TEST(ShadowCarving, TakesOffWhatWouldHideLitPixels) {
 TEST(ShadowCarving, LeavesWhatShadowsAgreeWith) {
     Surface s = flat();
     s.height_mm = flake(1);
-    const Lighting lighting = lamps(16, {15, 25, 35});
+    const Lighting lighting = lights(16, {15, 25, 35});
     const CarveReport report = carve_shadows(seen(s, flake(1), lighting), lighting, edges_of(s), s);
-    EXPECT_GT(report.lamps, 1000);
+    EXPECT_GT(report.lights, 1000);
     EXPECT_EQ(report.contradicted, 0);
     EXPECT_EQ(values(s.height_mm), values(flake(1)));
 }
@@ -143,8 +144,8 @@ TEST(ShadowCarving, LeavesShadowsThatComeFromBeyondTheBorder) {
             for (int x = 0; x < 3; ++x) z(column + x, y) = 3;
         return z;
     };
-    const Lighting lighting = lamps(16, {25});
-    const LampsSeen shown = seen(s, with_wall(0), lighting, 3);
+    const Lighting lighting = lights(16, {25});
+    const LightVisibility shown = seen(s, with_wall(0), lighting, 3);
     const CarveReport report = carve_shadows(shown, lighting, edges_of(s), s);
     EXPECT_LT(report.contradicted, 30);  // at the corners, where rays are between pixels
     // The same wall inside the picture is believed.
@@ -157,7 +158,7 @@ TEST(ShadowCarving, IsTheSameOnAnyNumberOfThreads) {
     for (const int threads : {1, 2, 5}) {
         set_thread_count(threads);
         Surface s = flat(kTall);
-        const Lighting lighting = lamps(8, {20});
+        const Lighting lighting = lights(8, {20});
         EXPECT_GT(carve_shadows(seen(s, flake(1.5f, kTall), lighting), lighting, edges_of(s), s).contradicted,
                   0);
         if (heights.empty()) heights = values(s.height_mm);
@@ -167,7 +168,7 @@ TEST(ShadowCarving, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(ShadowCarving, MirroredShadowsMakeAMirroredHeight) {
-    const Lighting lighting = lamps(16, {20, 35});
+    const Lighting lighting = lights(16, {20, 35});
     Lighting mirrored = lighting;
     for (Light& light : mirrored.lights) light.direction.x = -light.direction.x;
     Surface a = flat(), b = flat();
@@ -183,7 +184,7 @@ TEST(ShadowCarving, TinyPicturesStayAsTheyAre) {
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 40}, {40, 1}}) {
         Surface s(width, height);
         std::fill(s.confidence.pixels().begin(), s.confidence.pixels().end(), 0.9f);
-        const Lighting lighting = lamps(8, {20});
+        const Lighting lighting = lights(8, {20});
         const Image<float> fins = [width = width, height = height] {
             Image<float> z(width, height);
             for (int i = 0; i < width * height; i += 3) z.pixels()[static_cast<std::size_t>(i)] = 2;
@@ -193,26 +194,26 @@ TEST(ShadowCarving, TinyPicturesStayAsTheyAre) {
     }
 }
 
-// One row of pixels, one lamp: what is remembered of them.
-std::vector<LampSeen> looked_at(const Surface& s, WardBatch& batch) {
-    LampsSeen result(s.width(), s.height(), batch.photos);
+// One row of pixels, one light: what is remembered of them.
+std::vector<SeenLight> looked_at(const Surface& s, WardBatch& batch) {
+    LightVisibility result(s.width(), s.height(), batch.photos);
     const CastShadows shadows(s.height_mm, s.mm_per_pixel, kRadiusDeg);
     result.look(batch, s, shadows, 0, 0, kWardLanes);
     const auto row = result.row(0);
     return {row.begin(), row.end()};
 }
 
-TEST(LampsSeen, AreHiddenWhereLittleIsLeft) {
+TEST(LightVisibility, AreHiddenWhereLittleIsLeft) {
     const Surface s = flat();
-    const Lighting lighting = lamps(1, {30});
+    const Lighting lighting = lights(1, {30});
     WardBatch batch =
         photographed(s, CastShadows(s.height_mm, s.mm_per_pixel, kRadiusDeg), lighting, 0, 0, kWardLanes);
-    // All lit, and nothing near that could hide the lamp.
+    // All lit, and nothing near that could hide the light.
     EXPECT_TRUE(looked_at(s, batch).empty());
     const float full = batch.value[0][0];
     for (std::size_t c = 0; c < 3; ++c) {
         batch.value[c][1] = 0.02f * full;
-        batch.value[c][2] = 0.5f * full;  // half a lamp
+        batch.value[c][2] = 0.5f * full;  // half a light
         batch.value[c][3] = 0.02f * full;
         batch.sigma[c][3] = 0.2f;  // noise
         batch.value[c][4] = std::nanf("");
@@ -221,14 +222,14 @@ TEST(LampsSeen, AreHiddenWhereLittleIsLeft) {
         batch.value[c][6] = 0.1f * full;  // clipped: at least that
         batch.sigma[c][6] *= -1;
     }
-    const std::vector<LampSeen> shown = looked_at(s, batch);
+    const std::vector<SeenLight> shown = looked_at(s, batch);
     ASSERT_EQ(shown.size(), 1u);
     EXPECT_EQ(shown[0].x, 1u);
     EXPECT_EQ(shown[0].photo, 0u);
     EXPECT_FALSE(shown[0].lit);
 }
 
-TEST(LampsSeen, AreRememberedLitWhereMoreReliefWouldHideThem) {
+TEST(LightVisibility, AreRememberedLitWhereMoreReliefWouldHideThem) {
     Surface s = flat();
     for (int y = 0; y < kRows; ++y)
         for (int x = 20; x < 25; ++x) s.height_mm(x, y) = 1;
@@ -236,19 +237,19 @@ TEST(LampsSeen, AreRememberedLitWhereMoreReliefWouldHideThem) {
     const Image<float> none = flat().height_mm;
     WardBatch batch =
         photographed(s, CastShadows(none, s.mm_per_pixel, kRadiusDeg), lighting, 0, 0, kWardLanes);
-    const std::vector<LampSeen> shown = looked_at(s, batch);
+    const std::vector<SeenLight> shown = looked_at(s, batch);
     ASSERT_FALSE(shown.empty());
-    for (const LampSeen& lamp : shown) {
-        EXPECT_TRUE(lamp.lit);
+    for (const SeenLight& light : shown) {
+        EXPECT_TRUE(light.lit);
         // The ridge is 2 pixels high: its shadow ends 7 pixels from it, with a tangent of 0.2 it would at 10.
-        EXPECT_GE(lamp.x, 10u);
+        EXPECT_GE(light.x, 10u);
     }
     EXPECT_EQ(shown.back().x, 15u);
 }
 
-TEST(LampsSeen, SayNothingOfMetalOfUnknownSlopesAndUnderLampsThatGraze) {
+TEST(LightVisibility, SayNothingOfMetalOfUnknownSlopesAndUnderLightsThatGraze) {
     Surface s = flat();
-    const Lighting lighting = lamps(1, {30});
+    const Lighting lighting = lights(1, {30});
     WardBatch dark =
         photographed(s, CastShadows(s.height_mm, s.mm_per_pixel, kRadiusDeg), lighting, 0, 0, kWardLanes);
     for (std::size_t c = 0; c < 3; ++c)

@@ -17,7 +17,7 @@ namespace {
 class ShadowSets : public OnInstructionSet {};
 INSTANTIATE_TEST_SUITE_P(Sets, ShadowSets, every_instruction_set(), name_of_set);
 
-// Ridges of all sizes, under far and near lamps.
+// Ridges of all sizes, under far and near lights.
 TEST_P(ShadowSets, AreThoseOfSinglePixels) {
     Random random(4);
     constexpr int kWidth = 210, kHeight = 120;
@@ -31,13 +31,13 @@ TEST_P(ShadowSets, AreThoseOfSinglePixels) {
     for (int i = 0; i < 4000; ++i) {
         const int x0 = random.below(kWidth), y = random.below(kHeight);
         const float distance = i % 2 ? 1e6f : 150.0f;
-        const Vec3 lamp = distance * glm::normalize(Vec3(random.uniform(-1, 1), random.uniform(-1, 1),
-                                                         random.uniform(0.02, 0.5)));
+        const Vec3 light = distance * glm::normalize(Vec3(random.uniform(-1, 1), random.uniform(-1, 1),
+                                                          random.uniform(0.02, 0.5)));
         std::array<std::array<float, kMarchLanes>, 3> l;
         std::array<float, kMarchLanes> parts;
         std::array<Vec3, kMarchLanes> direction;
         for (std::size_t lane = 0; lane < kMarchLanes; ++lane) {
-            direction[lane] = glm::normalize(lamp - Vec3(lane, 0, 0));
+            direction[lane] = glm::normalize(light - Vec3(lane, 0, 0));
             for (std::size_t k = 0; k < 3; ++k) l[k][lane] = direction[lane][static_cast<int>(k)];
         }
         shadows.visible_parts(x0, y, {l[0].data(), l[1].data(), l[2].data()}, 0xffff, parts.data());

@@ -41,10 +41,10 @@ TEST(Appearance, IsTheDrySurfaceWhereThereIsNoPaint) {
     EXPECT_NE(s.diffuse(30, 30), half.dry().diffuse(30, 30));
 }
 
-// Bare canvas and the thinnest film on it are seen under the same lamp; grey is grey under each.
+// Bare canvas and the thinnest film on it are seen under the same light; grey is grey under each.
 TEST(Appearance, IsSeenUnderALampWithAndWithoutPaint) {
     for (int i = 0; i < kIlluminants; ++i) {
-        const auto lamp = static_cast<Illuminant>(i);
+        const auto light = static_cast<Illuminant>(i);
         Canvas canvas = half_covered("Bone Black", 1e-5f);
         Surface dry = canvas.dry();
         std::ranges::fill(dry.diffuse.pixels(), Rgb(0.6f, 0.3f, 0.1f));
@@ -53,14 +53,14 @@ TEST(Appearance, IsSeenUnderALampWithAndWithoutPaint) {
         Canvas brown(std::make_shared<Surface>(dry));
         brown.add(canvas.ingredients()[0]);
         brown.writable_wet() = canvas.wet();
-        const Surface s = appearance(brown, {.illuminant = lamp});
+        const Surface s = appearance(brown, {.illuminant = light});
         for (int c = 0; c < 3; ++c) {
-            EXPECT_NEAR(s.diffuse(30, 30)[c], s.diffuse(100, 31)[c], 0.002) << name_of(lamp);
-            EXPECT_NEAR(s.diffuse(100, 30)[c], 0.4, 1e-4) << name_of(lamp);
-            EXPECT_NEAR(s.diffuse(101, 30)[c], 2, 1e-3) << name_of(lamp);
+            EXPECT_NEAR(s.diffuse(30, 30)[c], s.diffuse(100, 31)[c], 0.002) << name_of(light);
+            EXPECT_NEAR(s.diffuse(100, 30)[c], 0.4, 1e-4) << name_of(light);
+            EXPECT_NEAR(s.diffuse(101, 30)[c], 2, 1e-3) << name_of(light);
         }
-        const bool daylight = lamp == Illuminant::d65;
-        EXPECT_EQ(s.diffuse(100, 31) == Rgb(0.6f, 0.3f, 0.1f), daylight) << name_of(lamp);
+        const bool daylight = light == Illuminant::d65;
+        EXPECT_EQ(s.diffuse(100, 31) == Rgb(0.6f, 0.3f, 0.1f), daylight) << name_of(light);
     }
 }
 
@@ -106,7 +106,7 @@ TEST(Appearance, OfAPartIsThatOfTheWhole) {
 TEST(Appearance, PaintHidesTheColourOfTheLobeBelow) {
     auto dry = flat_surface(128, 64);
     const Rgb gold(1, 0.77f, 0.34f);
-    dry->lobe_colour = Image<Rgb>(128, 64, gold);
+    dry->specular_colour = Image<Rgb>(128, 64, gold);
     std::fill(dry->specular.pixels().begin(), dry->specular.pixels().end(), 0.3f);
     Canvas canvas(dry);
     const auto id = add_paint(canvas, "Titanium White");
@@ -117,8 +117,8 @@ TEST(Appearance, PaintHidesTheColourOfTheLobeBelow) {
         tile.thickness_mm.assign(PaintTile::kPixels, mm);
         canvas.writable_wet().set_tile({0, 0}, std::make_shared<PaintTile>(tile));
         const Surface s = appearance(canvas, {.covering_mm = 0.01});
-        EXPECT_EQ(s.lobe_colour(100, 30), gold) << "bare";
-        const Rgb colour = s.lobe_colour(30, 30);
+        EXPECT_EQ(s.specular_colour(100, 30), gold) << "bare";
+        const Rgb colour = s.specular_colour(30, 30);
         EXPECT_GT(colour.b, before);
         before = colour.b;
         // Light of both skins adds: what is left of the gold's, and the paint's.

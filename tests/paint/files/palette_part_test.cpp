@@ -26,7 +26,7 @@ std::vector<Event> stroke_of(const StrokeEvent& event, PathPoint from, PathPoint
 }
 
 // Mixed on the palette, painted, mixed on, painted with what is left on a brush that has turned.
-std::vector<Event> sitting() {
+std::vector<Event> recovery() {
     PaletteEvent palette;
     palette.paints = {"Titanium White", "Ultramarine Blue", "Diarylide Yellow"};
     palette.width_mm = palette.height_mm = 40;
@@ -58,7 +58,7 @@ void save(const std::filesystem::path& path, const Session& session) {
 
 TEST(ToolsFile, AnInterruptedSittingPaintsTheSame) {
     const TestDir dir;
-    const std::vector<Event> events = sitting();
+    const std::vector<Event> events = recovery();
     Session once(flat_canvas(160, 120), artist_acrylics());
     apply(once, events, 0, events.size());
     for (const std::size_t strokes : {1, 2, 3}) {
@@ -81,7 +81,7 @@ TEST(ToolsFile, AnInterruptedSittingPaintsTheSame) {
 
 TEST(ToolsFile, OtherPartsStayAndToolsAreReplaced) {
     const TestDir dir;
-    const std::vector<Event> events = sitting();
+    const std::vector<Event> events = recovery();
     Session session(flat_canvas(160, 120), artist_acrylics());
     apply(session, events, 0, 16);
     PartToWrite other;
@@ -145,7 +145,7 @@ TEST(ToolsFile, TheSmallerGridOfATinyBrushIsTakenUp) {
 TEST(ToolsFile, DamagedToolsSayWhatIsWrong) {
     const TestDir dir;
     Session session(flat_canvas(160, 120), artist_acrylics());
-    apply(session, sitting(), 0, 16);
+    apply(session, recovery(), 0, 16);
     const auto message = [&](const std::function<void(PartToWrite&)>& damage, const std::string& name) {
         std::vector<PartToWrite> parts = with_tools({}, session);
         for (PartToWrite& part : parts)

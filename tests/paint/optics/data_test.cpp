@@ -48,15 +48,15 @@ double warm_led(double nm) {
 struct Observer {
     std::vector<double> weights[3];
 
-    Observer(const std::filesystem::path& tables, const std::string& lamp) {
-        const Table lamps = table_of(tables / "illuminants_5nm.csv"),
+    Observer(const std::filesystem::path& tables, const std::string& light) {
+        const Table lights = table_of(tables / "illuminants_5nm.csv"),
                     eye = table_of(tables / "cie_1931_2deg_1nm.csv");
         const char* const names[] = {"xbar", "ybar", "zbar"};
         double white = 0;
         for (int c = 0; c < 3; ++c) weights[c].assign(kSamples, 0);
-        for (std::size_t i = 0; i < lamps.at("wavelength_nm").size(); ++i) {
-            const double nm = lamps.at("wavelength_nm")[i],
-                         power = lamp == "LED" ? warm_led(nm) : lamps.at(lamp)[i];
+        for (std::size_t i = 0; i < lights.at("wavelength_nm").size(); ++i) {
+            const double nm = lights.at("wavelength_nm")[i],
+                         power = light == "LED" ? warm_led(nm) : lights.at(light)[i];
             const double position = (std::clamp(nm, 380.0, 750.0) - 380) / 10;
             const auto below = std::min(static_cast<std::size_t>(position), kSamples - 2);
             const double t = position - static_cast<double>(below);
@@ -91,7 +91,8 @@ struct Errors {
 
 // 3000 mixtures of one to three of the 19 paints, and white in three of five; parts by volume exponentially
 // distributed.
-Errors errors_of_twelve_bands(const std::filesystem::path& tables, Illuminant lamp, const std::string& name) {
+Errors errors_of_twelve_bands(const std::filesystem::path& tables, Illuminant light,
+                              const std::string& name) {
     const Table paints = table_of(tables / "artist_paints_k_s.csv");
     const Observer observer(tables, name);
     std::vector<std::string> names;
@@ -117,7 +118,7 @@ Errors errors_of_twelve_bands(const std::filesystem::path& tables, Illuminant la
         for (std::size_t band = 0; band < kBands; ++band)
             bands[band] =
                 static_cast<float>(reflectance[static_cast<std::size_t>((kBand_nm[band] - 380) / 10)]);
-        errors.push_back(delta_e_2000(lab_of(observer.xyz(reflectance), white), lab_under(bands, lamp)));
+        errors.push_back(delta_e_2000(lab_of(observer.xyz(reflectance), white), lab_under(bands, light)));
     }
     std::sort(errors.begin(), errors.end());
     Errors result;
@@ -130,7 +131,7 @@ Errors errors_of_twelve_bands(const std::filesystem::path& tables, Illuminant la
 TEST(DataTwelveBands, AreAsGoodAsThirtyEight) {
     TP_DATA(tables, "tables");
     const struct {
-        Illuminant lamp;
+        Illuminant light;
         const char* name;
         double mean, most;
     } limits[] = {{Illuminant::d65, "D65", 0.2, 1.3},
@@ -140,7 +141,7 @@ TEST(DataTwelveBands, AreAsGoodAsThirtyEight) {
                   // Its lines are narrower than the distance of the bands.
                   {Illuminant::f11, "F11", 0.35, 4.0}};
     for (const auto& limit : limits) {
-        const Errors errors = errors_of_twelve_bands(tables, limit.lamp, limit.name);
+        const Errors errors = errors_of_twelve_bands(tables, limit.light, limit.name);
         fmt::print("12 bands against 38 under {}: dE2000 mean {:.3f}, 95 % {:.2f}, most {:.2f}\n", limit.name,
                    errors.mean, errors.p95, errors.most);
         EXPECT_LE(errors.mean, limit.mean) << limit.name;

@@ -21,11 +21,11 @@ Palette of(std::initializer_list<const char*> names) {
     return palette;
 }
 
-Image<Rgb> cards_of(const Palette& palette, Illuminant lamp = Illuminant::d65, int columns = 4) {
+Image<Rgb> cards_of(const Palette& palette, Illuminant light = Illuminant::d65, int columns = 4) {
     DrawdownOptions options;
     options.card_px = kCard;
     options.columns = columns;
-    return drawdown_cards(palette, lamp, options);
+    return drawdown_cards(palette, light, options);
 }
 
 // The pixel at a place of the first card, in parts of its width.
@@ -35,13 +35,13 @@ Rgb at(const Image<Rgb>& sheet, double x, double y) {
 
 TEST(DrawdownCards, ShowMasstoneAndTints) {
     const Palette palette = of({"Cadmium Red Light", "Titanium White"});
-    for (const Illuminant lamp : {Illuminant::d65, Illuminant::a}) {
-        const Image<Rgb> sheet = cards_of(palette, lamp);
+    for (const Illuminant light : {Illuminant::d65, Illuminant::a}) {
+        const Image<Rgb> sheet = cards_of(palette, light);
         const float parts[][2] = {{1, 0}, {0.1f, 0.9f}, {0.02f, 0.98f}};
         const double places[] = {0.2, 0.5, 0.8};
         for (int i = 0; i < 3; ++i) {
             // Half a millimetre hides with this paint: less than 1 % of the card comes through.
-            const Rgb expected = to_linear_rgb(opaque_look(mix(palette.paints, parts[i])), lamp);
+            const Rgb expected = to_linear_rgb(opaque_look(mix(palette.paints, parts[i])), light);
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(at(sheet, places[i], 0.25)[c], expected[c], 0.01) << i;
         }
     }

@@ -46,12 +46,12 @@ struct Pixels {
 TEST(FilmBatch, AgreesWithOneFilmAtATime) {
     for (const std::size_t count : {std::size_t(1), std::size_t(31), std::size_t(32), std::size_t(1000)}) {
         const Pixels pixels(count, count);
-        for (const Illuminant lamp : {Illuminant::d65, Illuminant::a}) {
+        for (const Illuminant light : {Illuminant::d65, Illuminant::a}) {
             std::vector<Rgb> colour(count);
-            FilmBatch(pixels.paints, lamp).look(pixels.planes, pixels.dry, colour);
+            FilmBatch(pixels.paints, light).look(pixels.planes, pixels.dry, colour);
             for (std::size_t i = 0; i < count; ++i) {
                 const Rgb expected =
-                    to_linear_rgb(pixels.one_by_one(i, reflectance_of_rgb(pixels.dry[i])), lamp);
+                    to_linear_rgb(pixels.one_by_one(i, reflectance_of_rgb(pixels.dry[i])), light);
                 for (int c = 0; c < 3; ++c) ASSERT_NEAR(colour[i][c], expected[c], 5e-6) << i;
             }
         }

@@ -29,8 +29,8 @@ TEST(Illuminants, HaveTheWhitesOfTheirTables) {
                                                            {Illuminant::d50, {0.9642, 1, 0.8251}},
                                                            {Illuminant::d65, {0.9504, 1, 1.0888}},
                                                            {Illuminant::f11, {1.0096, 1, 0.6435}}};
-    for (const auto& [lamp, xyz] : published)
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(white_xyz(lamp)[c], xyz[c], 2e-4) << name_of(lamp) << c;
+    for (const auto& [light, xyz] : published)
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(white_xyz(light)[c], xyz[c], 2e-4) << name_of(light) << c;
     // The LED has the colour of a Planckian radiator of 3000 K: x = 0.4369, y = 0.4041.
     const glm::dvec3 led = white_xyz(Illuminant::warm_led);
     EXPECT_NEAR(led.x / (led.x + led.y + led.z), 0.4369, 2e-4);
@@ -38,25 +38,25 @@ TEST(Illuminants, HaveTheWhitesOfTheirTables) {
 }
 
 TEST(Illuminants, HaveNames) {
-    for (const Illuminant lamp : kAll) EXPECT_EQ(illuminant_named(name_of(lamp)), lamp);
+    for (const Illuminant light : kAll) EXPECT_EQ(illuminant_named(name_of(light)), light);
     EXPECT_EQ(illuminant_named("d65"), Illuminant::d65);
     EXPECT_EQ(illuminant_named("D6"), std::nullopt);
     EXPECT_EQ(illuminant_named("D655"), std::nullopt);
     EXPECT_EQ(illuminant_named(""), std::nullopt);
 }
 
-TEST(Spectra, ThatAreGreyStayGreyUnderEveryLamp) {
-    for (const Illuminant lamp : kAll)
+TEST(Spectra, ThatAreGreyStayGreyUnderEveryLight) {
+    for (const Illuminant light : kAll)
         for (const float grey : {0.0f, 0.01f, 0.18f, 0.5f, 1.0f}) {
-            const Rgb rgb = to_linear_rgb(flat(grey), lamp);
-            for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], grey, 2e-6) << name_of(lamp);
-            const Lab lab = lab_under(flat(grey), lamp);
+            const Rgb rgb = to_linear_rgb(flat(grey), light);
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], grey, 2e-6) << name_of(light);
+            const Lab lab = lab_under(flat(grey), light);
             EXPECT_NEAR(lab.a, 0, 1e-5);
             EXPECT_NEAR(lab.b, 0, 1e-5);
         }
 }
 
-TEST(Spectra, ChangeColourWithTheLampUnlessGrey) {
+TEST(Spectra, ChangeColourWithTheLightUnlessGrey) {
     // A reddish surface under tungsten light looks lighter than under daylight, a bluish one darker.
     Spectrum red = flat(0.1f), blue = flat(0.1f);
     for (std::size_t band = 9; band < kBands; ++band) red[band] = 0.8f;
@@ -77,10 +77,10 @@ TEST(Spectra, UnderD65HaveTheLabOfTheirRgb) {
 
 TEST(RgbWeights, AreWhatToLinearRgbDoes) {
     Random random(2);
-    for (const Illuminant lamp : kAll) {
-        const auto weights = rgb_weights(lamp);
+    for (const Illuminant light : kAll) {
+        const auto weights = rgb_weights(light);
         const Spectrum spectrum = random_spectrum(random);
-        const Rgb rgb = to_linear_rgb(spectrum, lamp);
+        const Rgb rgb = to_linear_rgb(spectrum, light);
         for (std::size_t c = 0; c < 3; ++c) {
             double sum = 0;
             for (std::size_t band = 0; band < kBands; ++band)

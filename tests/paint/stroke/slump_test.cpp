@@ -50,7 +50,7 @@ TEST(Collapse, AWallBecomesASlopeWhateverTheThreads) {
             const std::vector<Region> walls =
                 walls_in(canvas, std::vector{canvas.region()}, 1.5f * rates.yield_mm);
             if (walls.empty()) break;
-            for (const Region& wall : walls) collapse(canvas, wall, rates, memory);
+            for (const Region& wall : walls) slump(canvas, wall, rates, memory);
         }
         EXPECT_LT(times, 8);
         EXPECT_LT(steepest(canvas), 1.5 * BrushSettings{}.yield_slope);

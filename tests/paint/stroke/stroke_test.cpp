@@ -250,7 +250,7 @@ TEST(Stroke, AtNoPressureNothingIsTransferredAndAtLittleLittle) {
     brush.load({{add_paint(canvas, "Pyrrole Red"), 1}}, 1);
     stroke(canvas, brush, {-8, 0}, {8, 0});
     DabMemory memory;
-    OtherPaint other(grazing);
+    UpperFilm other(grazing);
     paint_dabs(canvas, grazing, std::vector<Dab>(20, Dab{.x = 64, .y = 48, .pressure = 0}), 1, other, memory);
     EXPECT_EQ(grazing.volumes_mm3(1)[0], 0);
 }
@@ -268,7 +268,7 @@ TEST(Stroke, BesideTheCanvasABrushKeepsItsPaintAsItIs) {
     for (int i = 0; i < 500; ++i)
         dabs.push_back({.x = 400.0 + i, .y = -300, .rotation_rad = 0.01f * static_cast<float>(i), .step = i});
     DabMemory memory;
-    OtherPaint other(brush);
+    UpperFilm other(brush);
     EXPECT_EQ(paint_dabs(canvas, brush, dabs, 1, other, memory), 0) << "pixels under the brush";
     EXPECT_EQ(brush.bristles().mm, before.mm);
     EXPECT_EQ(canvas.wet().painted(), painted.wet().painted());

@@ -13,7 +13,7 @@
 namespace tangi {
 namespace {
 
-TEST(OtherPaint, PaintBesideAStrokeChangesNothing) {
+TEST(UpperFilm, PaintBesideAStrokeChangesNothing) {
     const auto painted = [](bool beside) {
         Canvas canvas = flat_canvas(200, 120);
         const auto red = add_paint(canvas, "Pyrrole Red"), yellow = add_paint(canvas, "Hansa Yellow Opaque");
@@ -40,7 +40,7 @@ TEST(OtherPaint, PaintBesideAStrokeChangesNothing) {
 }
 
 // Bristles that are held above it do not come over it.
-TEST(OtherPaint, PaintUnderTheDomeOfALightBrushIsNotMet) {
+TEST(UpperFilm, PaintUnderTheDomeOfALightBrushIsNotMet) {
     for (const auto& [preset, pressure, y_mm] :
          {std::tuple{"round", 0.1, 7.0}, {"round", 0.05, 7.0}, {"filbert", 0.6, 7.8}, {"fan", 0.6, 7.8}}) {
         Canvas canvas = flat_canvas(260, 160);
@@ -61,7 +61,7 @@ TEST(OtherPaint, PaintUnderTheDomeOfALightBrushIsNotMet) {
 }
 
 // The same scene anywhere on a canvas: where tiles begin does not show.
-TEST(OtherPaint, DoesNotKnowOfTiles) {
+TEST(UpperFilm, DoesNotKnowOfTiles) {
     const auto painted = [](int pixels) {  // to the right and down
         Canvas canvas = flat_canvas(200 + 2 * pixels, 120 + 2 * pixels);
         const auto yellow = add_paint(canvas, "Hansa Yellow Opaque"),

@@ -41,12 +41,12 @@ TEST(SubstrateChoice, FinishChangesTheWholeAndKeepsWhatVaries) {
         EXPECT_NEAR(ratio(toned.specular, i), ratio(plain.specular, i), 1e-4f);
         EXPECT_NEAR(ratio(toned.roughness, i), ratio(plain.roughness, i), 1e-4f);
     }
-    Surface drawn_out = plain;
-    drawn_out.lobe_axes = Image<LobeAxes>(plain.width(), plain.height(), {0.5f, 0.3f});
-    apply(choice.finish, drawn_out);
-    EXPECT_NEAR(drawn_out.lobe_axes.pixels()[9].roughness_v / drawn_out.roughness.pixels()[9],
+    Surface anisotropic = plain;
+    anisotropic.lobe_axes = Image<LobeAxes>(plain.width(), plain.height(), {0.5f, 0.3f});
+    apply(choice.finish, anisotropic);
+    EXPECT_NEAR(anisotropic.lobe_axes.pixels()[9].roughness_v / anisotropic.roughness.pixels()[9],
                 0.5f / plain.roughness.pixels()[9], 1e-4f)
-        << "as drawn out as it was";
+        << "as anisotropic as it was";
 }
 
 // What is cut off at 1 is made up for by the rest; what was not measured neither counts nor changes.

@@ -36,9 +36,9 @@ TEST(CliBadFolder, LacksListedPhotographs) {
     fs::remove(stack.photo(5));
     const auto result =
         expect_warned(stack, {"lights.lp: 2 of 12 listed photographs are not in", stack.name(3),
-                              stack.name(5), "Put them there, or remove their lines; left out"});
+                              stack.name(5), "Put them there, or remove their lines; rejected"});
     EXPECT_EQ(result["photographs"]["fitted"], 10);
-    EXPECT_EQ(names_left_out(result), (std::vector<std::string>{stack.name(3), stack.name(5)}));
+    EXPECT_EQ(names_rejected(result), (std::vector<std::string>{stack.name(3), stack.name(5)}));
     fs::remove(stack.out("a.exr"));
     fs::remove(stack.photo(0));
     fs::remove(stack.photo(1));  // a third
@@ -63,7 +63,7 @@ TEST(CliBadFolder, HoldsAMask) {
     EXPECT_GT(whole.json()["pixels"]["fitted"], 1000);
     for (Rgb& pixel : mask.pixels()) pixel = Rgb(0.5f);  // its name says so, it is none
     write_picture_8bit(path, mask);
-    EXPECT_GT(expect_warned(stack, {path, "left out, since its name"})["pixels"]["fitted"], 1000);
+    EXPECT_GT(expect_warned(stack, {path, "rejected, since its name"})["pixels"]["fitted"], 1000);
 }
 
 TEST(CliBadFolder, HoldsAnUnlistedPhotograph) {
@@ -184,7 +184,7 @@ TEST(CliBadLights, AxisIsMirrored) {
     });
     const Finished wrong = fit({});
     EXPECT_TRUE(ended(wrong, 3, {"poor result", "curl", "it is y", ": give --lights-flip-y\n"}));
-    EXPECT_EQ(wrong.json()["light_signs"]["mirrored"], true);
+    EXPECT_EQ(wrong.json()["light_axes_check"]["mirrored"], true);
     const Finished flipped = fit({"--lights-flip-y"});
     EXPECT_TRUE(ended(flipped, 0));
     EXPECT_EQ(flipped.json()["dry_hash"], dry);
@@ -213,7 +213,7 @@ TEST(CliBadLights, AllAreTurned) {
     EXPECT_TRUE(ended(wrong, 3,
                       {"poor result", "were all lights turned by -90 degrees", "cast shadows tell",
                        ": give --lights-turn -90\n"}));
-    EXPECT_EQ(wrong.json()["light_signs"]["turned"]["wrong"], true);
+    EXPECT_EQ(wrong.json()["light_axes_check"]["turned"]["wrong"], true);
     EXPECT_TRUE(ended(fit({"--lights-turn", "-90"}), 0));
     EXPECT_TRUE(ended(fit({"--lights-turn", "90"}), 3, {"cast shadows lie", "give --lights-turn -90\n"}));
 }
@@ -222,8 +222,8 @@ TEST(CliBadLights, AllAreTurned) {
 TEST(CliBadLights, AreOfAPoorCalibration) {
     const TinyStack stack({}, 80);
     const std::string capture = stack.out("c.json"), painting = stack.out("a.exr");
-    ASSERT_TRUE(ended(tangipaint({"calibrate", stack.path(), "--out", capture, "--no-balls", "--chart", "off",
-                                  "--ppi", "300"}),
+    ASSERT_TRUE(ended(tangipaint({"calibrate", stack.path(), "--out", capture, "--no-spheres", "--chart",
+                                  "off", "--ppi", "300"}),
                       0));
     const std::vector<std::string> with = {stack.path(), "--lights", stack.lights(),
                                            "--capture",  capture,    "--out"};
@@ -234,10 +234,10 @@ TEST(CliBadLights, AreOfAPoorCalibration) {
     };
     ASSERT_TRUE(ended(run({"fit"}, painting), 0));
     nlohmann::json json = nlohmann::json::parse(bytes_of(capture));
-    json["poor"] = {"the ball is an egg"};
+    json["poor"] = {"the sphere is an egg"};
     write_bytes(capture, json.dump());
     const std::vector<std::string> told = {"poor result",
-                                           "c.json: calibrate called it poor: the ball is an egg"};
+                                           "c.json: calibrate called it poor: the sphere is an egg"};
     EXPECT_TRUE(ended(run({"fit"}, painting), 3, told));
     EXPECT_TRUE(fs::exists(painting));
     EXPECT_TRUE(ended(run({"compare", painting}, stack.out("compared")), 3, told));
@@ -247,12 +247,12 @@ TEST(CliBadLights, AreOfAPoorCalibration) {
 TEST(CliBadLights, AreWhatAPoorCalibrationWrote) {
     const TinyStack stack({}, 80);
     nlohmann::json capture = {{"format", "tangipaint capture 1"},
-                              {"method", "mirror ball"},
+                              {"method", "mirror sphere"},
                               {"photographs", {{"count", 16}, {"width", 80}, {"height", 80}}},
                               {"camera", {{"mm_per_pixel", nullptr}, {"position_mm", nullptr}}},
                               {"frame", {{"origin_px", {39.5, 39.5}}}},
                               {"lights", nlohmann::json::array()},
-                              {"poor", {"the ball is an egg"}}};
+                              {"poor", {"the sphere is an egg"}}};
     std::string lp = bytes_of(stack.lights());
     std::istringstream lines(lp);
     std::string count, name;
@@ -266,7 +266,7 @@ TEST(CliBadLights, AreWhatAPoorCalibrationWrote) {
         return tangipaint({"fit", stack.path(), "--lights", stack.out("mine.lp"), "--out", stack.out("a.exr"),
                            "--no-refine"});
     };
-    EXPECT_TRUE(ended(fit(), 3, {"mine.json: calibrate called it poor: the ball is an egg"}));
+    EXPECT_TRUE(ended(fit(), 3, {"mine.json: calibrate called it poor: the sphere is an egg"}));
     capture["lights"][2]["direction"] = {0, 0, 1};  // of another lights file
     write_bytes(stack.out("mine.json"), capture.dump());
     EXPECT_TRUE(ended(fit(), 0));

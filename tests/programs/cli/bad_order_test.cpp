@@ -41,7 +41,7 @@ TEST(CliBadOrder, OfOnePhotographIsNoTurn) {
                        stack.name(0) + " has the light that " + stack.name(1) + " had"}));
     EXPECT_TRUE(ended(compare("a.exr"), 3, {"poor result: the list of lights is off by 1 photograph"}));
     // What slopes alone advise, taken all the same.
-    const double turn = shifted.json()["light_signs"]["turned"]["turn_deg"];
+    const double turn = shifted.json()["light_axes_check"]["turned"]["turn_deg"];
     const Finished turned = fit({"--lights-turn", fmt::format("{:.0f}", turn > 90 ? turn - 180 : turn)});
     EXPECT_TRUE(ended(turned, 3, {"is off by 1 photograph", "leave out --lights-turn"}));
 }

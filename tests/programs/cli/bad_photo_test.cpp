@@ -22,9 +22,9 @@ TEST(CliBadPhoto, HasAnotherSize) {
     const TinyStack stack;
     write_picture(stack.photo(4), Image<Rgb>(32, 31, Rgb(0.5f)), Transfer{});
     const auto result = expect_warned(
-        stack, {stack.name(4) + ": is 32 x 31", "img_000.png is 32 x 32", "the same size; left out"});
+        stack, {stack.name(4) + ": is 32 x 31", "img_000.png is 32 x 32", "the same size; rejected"});
     EXPECT_EQ(result["photographs"]["fitted"], 11);
-    EXPECT_EQ(names_left_out(result), std::vector<std::string>{stack.name(4)});
+    EXPECT_EQ(names_rejected(result), std::vector<std::string>{stack.name(4)});
     // What most have is right, not what the first has.
     fs::copy_file(stack.photo(3), stack.photo(4), fs::copy_options::overwrite_existing);
     write_picture(stack.photo(0), Image<Rgb>(32, 31, Rgb(0.5f)), Transfer{});
@@ -70,7 +70,7 @@ TEST(CliBadPhoto, IsTruncatedInAnyFormat) {
         SCOPED_TRACE(name_of(format));
         const auto result = expect_warned(stack, {stack.name(2), "left out"});
         EXPECT_EQ(result["photographs"]["fitted"], 11);
-        EXPECT_EQ(names_left_out(result), std::vector<std::string>{stack.name(2)});
+        EXPECT_EQ(names_rejected(result), std::vector<std::string>{stack.name(2)});
         fs::remove(stack.out("a.exr"));
         for (const int i : {0, 4, 6})
             fs::copy_file(stack.photo(2), stack.photo(i), fs::copy_options::overwrite_existing);
@@ -86,9 +86,9 @@ TEST(CliBadPhoto, HasDamagedPixels) {
     write_bytes(png.photo(2), bytes);
     const auto result = expect_warned(png, {png.name(2), "cannot be decoded", "left out"});
     EXPECT_EQ(result["photographs"]["fitted"], 11);
-    EXPECT_EQ(names_left_out(result), std::vector<std::string>{png.name(2)});
+    EXPECT_EQ(names_rejected(result), std::vector<std::string>{png.name(2)});
     EXPECT_TRUE(ended(tangipaint({"fit", png.path(), "--out", png.out("a.exr"), "--hold-out", "3,5",
-                                  "--faithful", "--report", png.out("a.html")}),
+                                  "--residual", "--report", png.out("a.html")}),
                       0, {png.name(2)}));
     EXPECT_NE(bytes_of(png.out("a.html")).find(png.name(2) + ": cannot be decoded"), std::string::npos);
 
@@ -128,7 +128,7 @@ TEST(CliBadPhoto, IsACopyOfAnotherWhereAPaintingIsCompared) {
     const Finished run = tangipaint({"compare", stack.out("a.exr"), stack.path(), "--out", stack.out("c")});
     ASSERT_TRUE(ended(run, 0, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "left out"}));
     EXPECT_EQ(run.json()["photos"].size(), 10u);
-    EXPECT_EQ(run.json()["left_out"].size(), 2u);
+    EXPECT_EQ(run.json()["rejected"].size(), 2u);
 }
 
 // Another part of the same size looks like a bad fit.

@@ -5,8 +5,8 @@
 #include "surface/base/median.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/programs/support/cli_program.h"
-#include "tests/support/ball_pictures.h"
 #include "tests/support/chart_pictures.h"
+#include "tests/support/sphere_pictures.h"
 
 namespace tangi {
 namespace {
@@ -18,16 +18,16 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
     const auto lights = lights_around(6, 45);
     std::filesystem::create_directory(dir / "photos");
     const auto paths =
-        write_ball_photos(dir / "photos", BallScene{}, lights, false, [](int i, BallScene& scene) {
+        write_sphere_photos(dir / "photos", SphereScene{}, lights, false, [](int i, SphereScene& scene) {
             if (i == 4) scene.strength = 0;
         });
     std::filesystem::copy_file(paths[0], dir / "photos" / "mask.png");
     const Finished run =
         tangipaint({"calibrate", (dir / "photos").string(), "--out", (dir / "lights.lp").string()});
-    ASSERT_TRUE(ended(run, 0, {"mask.png: left out", "ball_04.png: left out: ball 1"}));
+    ASSERT_TRUE(ended(run, 0, {"mask.png: left out", "sphere_04.png: rejected: sphere 1"}));
     const auto result = run.json();
     EXPECT_EQ(result["photographs"]["calibrated"], 5);
-    EXPECT_EQ(result["photographs"]["left_out"], nlohmann::json({"ball_04.png"}));
+    EXPECT_EQ(result["photographs"]["rejected"], nlohmann::json({"ball_04.png"}));
     const LightsFile file = read_lights_file(dir / "lights.lp");
     ASSERT_EQ(file.lights.size(), 5u);
     EXPECT_LT(degrees_between(glm::dvec3(file.lights[0].direction), lights[0]), 1);
@@ -38,7 +38,7 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
     EXPECT_TRUE(capture["lights"][4]["direction"].is_null());
     EXPECT_GT(capture["lights"][0]["direction_sigma_deg"].get<double>(), 0);
     const std::string page = bytes_of(dir / "capture.html");
-    for (const char* part : {"data:image/jpeg;base64,/9j/", "ball_04.png", "left out: ball 1", "</html>"})
+    for (const char* part : {"data:image/jpeg;base64,/9j/", "ball_04.png", "rejected: sphere 1", "</html>"})
         EXPECT_THAT(page, HasSubstr(part));
     EXPECT_EQ(names_in(dir.path()),
               (std::vector<std::string>{"capture.html", "capture.json", "lights.lp", "photos"}));
@@ -49,7 +49,7 @@ TEST(CliCalibrate, OnAFullDiskLeavesWhatWasThere) {
     const TestDir dir;
     std::filesystem::create_directories(dir / "photos");
     std::filesystem::create_directories(dir / "out");
-    write_ball_photos(dir / "photos", BallScene{}, lights_around(6, 45));
+    write_sphere_photos(dir / "photos", SphereScene{}, lights_around(6, 45));
     const std::vector<std::string> words = {"calibrate", (dir / "photos").string(), "--out",
                                             (dir / "out/lights.lp").string()};
     const auto files = [&] {
@@ -110,7 +110,7 @@ TEST(CliCalibrate, FindsLightsOfWhichNothingIsWrittenDown) {
 // Damage that only shows when pixels are decoded, another size, the same photograph twice.
 TEST(CliCalibrate, GoesOnWithoutPhotographsThatCannotBeUsed) {
     const TestDir dir;
-    const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(9, 45));
+    const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(9, 45));
     const std::string name = paths[3].filename().string();
     const auto calibrate = [&](std::vector<std::string> words) {
         words.insert(words.begin(), {"calibrate", "--out", (dir / "a.lp").string()});
@@ -126,7 +126,7 @@ TEST(CliCalibrate, GoesOnWithoutPhotographsThatCannotBeUsed) {
     EXPECT_THAT(bytes_of(dir / "a.html"), HasSubstr(name + ": cannot be decoded"));
     write_picture_8bit(paths[3], Image<Rgb>(20, 20, Rgb(0.5f)));
     run = calibrate({dir.path().string()});
-    ASSERT_TRUE(ended(run, 0, {name + ": is 20 x 20", "the same size; left out"}));
+    ASSERT_TRUE(ended(run, 0, {name + ": is 20 x 20", "the same size; rejected"}));
     EXPECT_EQ(run.json()["photographs"]["calibrated"], 8);
     std::vector<std::string> words = {"--photos"};
     for (const int i : {0, 1, 2, 4, 5, 2, 6, 7, 8})
@@ -142,7 +142,7 @@ TEST(CliCalibrate, GoesOnWithoutPhotographsThatCannotBeUsed) {
 TEST(CliCalibrate, LeavesOutCopiesAndPhotographsOfSomethingElse) {
     const TestDir dir;
     std::filesystem::create_directory(dir / "photos");
-    const auto paths = write_ball_photos(dir / "photos", BallScene{}, lights_around(9, 45));
+    const auto paths = write_sphere_photos(dir / "photos", SphereScene{}, lights_around(9, 45));
     std::filesystem::copy_file(paths[2], paths[6], std::filesystem::copy_options::overwrite_existing);
     Image<float> other(300, 220);
     for (int y = 0; y < 220; ++y)
@@ -151,8 +151,8 @@ TEST(CliCalibrate, LeavesOutCopiesAndPhotographsOfSomethingElse) {
     const Finished run =
         tangipaint({"calibrate", (dir / "photos").string(), "--out", (dir / "lights.lp").string()});
     ASSERT_TRUE(ended(run, 0,
-                      {"ball_02.png, ball_06.png are the same picture; it is used once",
-                       "ball_04.png: shows something else than the other photographs"}));
+                      {"sphere_02.png, sphere_06.png are the same picture; it is used once",
+                       "sphere_04.png: shows something else than the other photographs"}));
     EXPECT_EQ(run.json()["photographs"]["calibrated"], 7);
     EXPECT_EQ(run.json()["photographs"]["unusable"].size(), 2u);
     EXPECT_EQ(run.json()["camera_moved_rms_px"], 0);
@@ -161,7 +161,7 @@ TEST(CliCalibrate, LeavesOutCopiesAndPhotographsOfSomethingElse) {
 TEST(CliCalibrate, ReplacesOnlyWhatItWrote) {
     const TestDir dir;
     std::filesystem::create_directory(dir / "photos");
-    write_ball_photos(dir / "photos", BallScene{}, lights_around(6, 45));
+    write_sphere_photos(dir / "photos", SphereScene{}, lights_around(6, 45));
     const auto calibrate = [&](const std::string& out, bool force = false) {
         std::vector<std::string> words = {"calibrate", (dir / "photos").string(), "--out",
                                           (dir / out).string()};
@@ -191,7 +191,7 @@ TEST(CliCalibrate, ReplacesOnlyWhatItWrote) {
 
 TEST(CliCalibrate, RefusesWhatMakesNoSense) {
     const TestDir dir;
-    const auto paths = write_ball_photos(dir.path(), BallScene{}, lights_around(3));
+    const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(3));
     const std::string folder = dir.path().string(), out = (dir / "a.lp").string();
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder}), 2, {"--out"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", "--out", out}), 2, {"PHOTOS"}));
@@ -201,12 +201,12 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
                       {"--sphere 1,2: expected X,Y,R"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "1,2,x"}), 2,
                       {"'x' is not a number"}));
-    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--ball-radius-mm", "-3"}), 2,
-                      {"--ball-radius-mm"}));
-    for (const char* flag : {"--ppi", "--focal-px", "--focal-35mm", "--ball-radius-mm", "--chart-pitch-mm",
-                             "--marker-mm", "--camera-distance-mm", "--ball-height-mm"})
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere-radius-mm", "-3"}), 2,
+                      {"--sphere-radius-mm"}));
+    for (const char* flag : {"--ppi", "--focal-px", "--focal-35mm", "--sphere-radius-mm", "--chart-pitch-mm",
+                             "--marker-mm", "--camera-distance-mm", "--sphere-height-mm"})
         for (const char* value : {"nan", "inf", "-inf", "1e-300", "1e300"}) {
-            if (flag == std::string("--ball-height-mm") && value == std::string("1e-300")) continue;
+            if (flag == std::string("--sphere-height-mm") && value == std::string("1e-300")) continue;
             EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, flag, value}), 2,
                               {flag, value, "is not in [", "See: tangipaint calibrate --help"}));
         }
@@ -218,20 +218,20 @@ TEST(CliCalibrate, RefusesWhatMakesNoSense) {
         ended(tangipaint({"calibrate", folder, "--out", out, "--chart", "off", "--chart-pitch-mm", "10"}), 2,
               {"--chart-pitch-mm: is about a colour chart"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--sphere", "250,60,25"}), 1,
-                      {"--sphere 250,60,25: no mirror ball there"}));
+                      {"--sphere 250,60,25: no mirror sphere there"}));
     EXPECT_TRUE(
         ended(tangipaint({"calibrate", (dir / "gone").string(), "--out", out}), 1, {"gone: no such folder"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--inverted"}), 2,
                       {"--inverted: goes with --uncalibrated"}));
-    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--uncalibrated", "--matt-ball"}), 2,
-                      {"--uncalibrated: takes no ball"}));
+    EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--uncalibrated", "--diffuse-sphere"}),
+                      2, {"--uncalibrated: takes no sphere"}));
     EXPECT_TRUE(ended(tangipaint({"calibrate", folder, "--out", out, "--uncalibrated"}), 1,
                       {folder, "3 photographs", "at least 8"}));
     EXPECT_EQ(names_in(dir.path()).size(), 3u);
 }
 
-// A stack of a chart without balls: what else is asked for goes without lights.
-TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
+// A stack of a chart without spheres: what else is asked for goes without lights.
+TEST(CliCalibrate, FindsScaleAndColoursWithoutSpheres) {
     const TestDir dir;
     std::filesystem::create_directory(dir / "photos");
     for (int i = 0; i < 4; ++i) {
@@ -248,7 +248,7 @@ TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
                                           "--rectify", "--focal-px", "600"};
     const Finished run = tangipaint(all);
     ASSERT_TRUE(ended(
-        run, 0, {"p_9.nef: is not a camera raw", "left out", "no mirror ball found", "without lights"}));
+        run, 0, {"p_9.nef: is not a camera raw", "left out", "no mirror sphere found", "without lights"}));
     const auto result = run.json();
     EXPECT_TRUE(result["lights"].is_null());
     EXPECT_EQ(result["scale"]["method"], "ppi");
@@ -259,11 +259,11 @@ TEST(CliCalibrate, FindsScaleAndColoursWithoutBalls) {
     for (const char* part :
          {"no lights", "Scale and plane", "Rectified by the chart", "ppi (used)", "ΔE2000"})
         EXPECT_THAT(page, HasSubstr(part));
-    EXPECT_TRUE(ended(
-        tangipaint({"calibrate", photos, "--out", (dir / "d.json").string(), "--no-balls", "--chart", "off"}),
-        1, {"--chart off looks for no colour chart", "nothing else to look for"}));
+    EXPECT_TRUE(ended(tangipaint({"calibrate", photos, "--out", (dir / "d.json").string(), "--no-spheres",
+                                  "--chart", "off"}),
+                      1, {"--chart off looks for no colour chart", "nothing else to look for"}));
     const std::string out = (dir / "d.json").string();
-    EXPECT_TRUE(ended(tangipaint({"calibrate", photos, "--out", out, "--no-balls", "--chart", "off"}), 1,
+    EXPECT_TRUE(ended(tangipaint({"calibrate", photos, "--out", out, "--no-spheres", "--chart", "off"}), 1,
                       {"nothing else to look for"}));
     EXPECT_TRUE(ended(
         tangipaint({"calibrate", photos, "--out", out, "--marker-mm", "20", "--marker-dictionary", "9x9"}), 2,
@@ -285,8 +285,8 @@ TEST(CliCalibrate, TellsOfTwoCharts) {
     write_picture(dir / "charts.png", photo, Transfer{});
     const std::string charts = (dir / "charts.png").string(), out = (dir / "c.json").string();
     EXPECT_TRUE(ended(
-        tangipaint({"calibrate", "--photos", charts, "--out", out, "--no-balls", "--transfer", "linear"}), 0,
-        {"charts.png: there are several colour charts", "(160, 150) is used", "(480, 150) is not"}));
+        tangipaint({"calibrate", "--photos", charts, "--out", out, "--no-spheres", "--transfer", "linear"}),
+        0, {"charts.png: there are several colour charts", "(160, 150) is used", "(480, 150) is not"}));
 }
 
 // A painting as it was, and photographs of it later: turned by a quarter, and cut off.
@@ -311,9 +311,9 @@ TEST(CliCalibrate, LaysPhotographsOnAnEarlierPainting) {
     }
     write_lights_file(later + "/lights.lp", lights.lights);
     EXPECT_TRUE(ended(
-        tangipaint({"calibrate", later, "--out", capture, "--no-balls", "--align-to", before, "--rectify"}),
+        tangipaint({"calibrate", later, "--out", capture, "--no-spheres", "--align-to", before, "--rectify"}),
         2, {"--align-to"}));
-    const Finished run = tangipaint({"calibrate", later, "--out", capture, "--no-balls", "--chart", "off",
+    const Finished run = tangipaint({"calibrate", later, "--out", capture, "--no-spheres", "--chart", "off",
                                      "--transfer", "srgb", "--align-to", before});
     ASSERT_TRUE(ended(run, 0));
     EXPECT_EQ(run.json()["picture"]["rectified_by"], "painting");

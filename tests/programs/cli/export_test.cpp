@@ -1,4 +1,4 @@
-// export, import and faithful mode, run as a user would run them.
+// export, import and the relighting residual, run as a user would run them.
 #include "fit/exchange/ptm_rti_file.h"
 #include "surface/image/metrics.h"
 #include "surface/render/relighting_residual.h"
@@ -209,14 +209,14 @@ TEST(CliExport, WhatMakesNoSenseIsRefused) {
                            stack.out("a.exr")}),
                       1, {"none.png: no such file"}));
     EXPECT_TRUE(
-        ended(run({"relight", stack.truth(), "--faithful", "--light", "0,0,1", "--out", stack.out("a.png")}),
-              1, {"has no part 'faithful'", "fit --faithful"}));
+        ended(run({"relight", stack.truth(), "--residual", "--light", "0,0,1", "--out", stack.out("a.png")}),
+              1, {"has no part 'residual'", "fit --residual"}));
     EXPECT_TRUE(leftovers_in(stack.root()).empty());
 }
 
 TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
     const TinyStack stack([](GeneratorOptions& o) { o.lights = 24; });
-    // Further light in every photograph, smooth over its direction, that no surface under one lamp explains.
+    // Further light in every photograph, smooth over its direction, that no surface under one light explains.
     for (int i = 0; i < 24; ++i) {
         Image<Rgb> photo = read_picture(stack.photo(i));
         const Vec3 l = stack.photography().photos[static_cast<std::size_t>(i)].light.direction;
@@ -226,16 +226,16 @@ TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
                                             std::cos(0.9f * static_cast<float>(y)) * l.x * l.y));
         write_picture(stack.photo(i), photo, Transfer{});
     }
-    const Finished fit = tangipaint({"fit", stack.path(), "--faithful", "--transfer", "linear", "--register",
+    const Finished fit = tangipaint({"fit", stack.path(), "--residual", "--transfer", "linear", "--register",
                                      "off", "--lights-as-given", "--out", stack.out("a.exr")});
     ASSERT_TRUE(fit.code == 0 || fit.code == 3) << fit.err;
-    ASSERT_EQ(fit.json()["faithful"]["used"], true) << fit.out;
+    ASSERT_EQ(fit.json()["residual"]["used"], true) << fit.out;
     const Finished compare = tangipaint(
         {"compare", stack.out("a.exr"), stack.path(), "--transfer", "linear", "--out", stack.out("report")});
     ASSERT_TRUE(compare.code == 0 || compare.code == 3) << compare.err;
     const nlohmann::json mean = compare.json()["mean"]["fitted"];
-    EXPECT_GT(mean["faithful_psnr_db"].get<double>(), mean["psnr_db"].get<double>() + 1);
-    EXPECT_TRUE(compare.json()["photos"][0].contains("faithful_psnr_db"));
+    EXPECT_GT(mean["residual_psnr_db"].get<double>(), mean["psnr_db"].get<double>() + 1);
+    EXPECT_TRUE(compare.json()["photos"][0].contains("residual_psnr_db"));
     const auto relit = [&](const std::string& painting, std::vector<std::string> more) {
         std::vector<std::string> words = {"relight", stack.out(painting), "--light", "0.5,0.3,0.8",
                                           "--out",   stack.out("r.exr")};
@@ -243,10 +243,10 @@ TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
         EXPECT_TRUE(ended(tangipaint(words), 0));
         return read_picture(stack.out("r.exr"));
     };
-    EXPECT_FALSE(images_near(relit("a.exr", {"--faithful"}), relit("a.exr", {}), 1e-3));
-    EXPECT_TRUE(ended(tangipaint({"relight", stack.out("a.exr"), "--faithful", "--no-cast-shadows", "--light",
+    EXPECT_FALSE(images_near(relit("a.exr", {"--residual"}), relit("a.exr", {}), 1e-3));
+    EXPECT_TRUE(ended(tangipaint({"relight", stack.out("a.exr"), "--residual", "--no-cast-shadows", "--light",
                                   "0,0,1", "--out", stack.out("x.png")}),
-                      2, {"--faithful", "--cast-shadows"}));
+                      2, {"--residual", "--cast-shadows"}));
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ TEST(CliReadOnly, PermissionsAreRespectedAndNamed) {
 
     fs::permissions(stack.photo(2), fs::perms::none);
     EXPECT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", stack.out("b.exr")}, bound), 0,
-                      {stack.name(2), "cannot be read: Permission denied; left out"}));
+                      {stack.name(2), "cannot be read: Permission denied; rejected"}));
     fs::remove(stack.out("b.exr"));
     fs::permissions(stack.lights(), fs::perms::none);
     refused({"fit", stack.path(), "--out", stack.out("a.exr")},

@@ -10,7 +10,7 @@ namespace {
 TEST(CliMaps, TheWholeLawGoesOutAndComesBack) {
     const TinyStack stack;
     Surface s = read_painting(stack.truth());
-    s.law = {.diffuse_roughness = 0.4, .haze = 0.6};
+    s.reflectance_model = {.diffuse_roughness = 0.4, .haze = 0.6};
     write_painting(stack.out("hazy.exr"), s);
     const auto exported = [&](const std::string& to) {
         return tangipaint({"export", stack.out("hazy.exr"), "--to", to, "--out", stack.out(to)});
@@ -18,12 +18,12 @@ TEST(CliMaps, TheWholeLawGoesOutAndComesBack) {
     ASSERT_TRUE(ended(exported("maps"), 0));
     const Finished back = tangipaint({"import", stack.out("maps"), "--out", stack.out("back.exr")});
     ASSERT_TRUE(ended(back, 0));
-    EXPECT_EQ(back.json()["haze"], 0.6);
-    EXPECT_EQ(read_painting(stack.out("back.exr")).law, s.law);
-    ASSERT_TRUE(ended(tangipaint({"import", stack.out("maps"), "--haze", "0.1", "--diffuse-roughness", "0",
-                                  "--out", stack.out("other.exr")}),
+    EXPECT_EQ(back.json()["second_lobe_weight"], 0.6);
+    EXPECT_EQ(read_painting(stack.out("back.exr")).reflectance_model, s.reflectance_model);
+    ASSERT_TRUE(ended(tangipaint({"import", stack.out("maps"), "--second-lobe-weight", "0.1",
+                                  "--diffuse-roughness", "0", "--out", stack.out("other.exr")}),
                       0));
-    EXPECT_EQ(read_painting(stack.out("other.exr")).law, (ReflectanceLaw{.haze = 0.1}));
+    EXPECT_EQ(read_painting(stack.out("other.exr")).reflectance_model, (ReflectanceModel{.haze = 0.1}));
     std::vector<Image<Rgb>> pictures;
     for (const char* painting : {"hazy.exr", "back.exr"}) {
         ASSERT_TRUE(ended(tangipaint({"relight", stack.out(painting), "--light", "0.3,0.2,0.9", "--encoding",
@@ -34,7 +34,7 @@ TEST(CliMaps, TheWholeLawGoesOutAndComesBack) {
     EXPECT_GT(psnr_db(pictures[0], pictures[1]), 80);
     const auto warnings = exported("openlime").json()["warnings"];
     ASSERT_EQ(warnings.size(), 2u);
-    EXPECT_NE(warnings[0].get<std::string>().find("haze"), std::string::npos);
+    EXPECT_NE(warnings[0].get<std::string>().find("second_lobe_weight"), std::string::npos);
     EXPECT_NE(warnings[1].get<std::string>().find("diffuse roughness"), std::string::npos);
 }
 

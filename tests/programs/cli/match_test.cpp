@@ -21,8 +21,8 @@ TEST(CliMatch, FindsARecipeForAMeasuredSpectrum) {
     const nlohmann::json& best = said["recipes"][0];
     EXPECT_LE(best["parts_by_volume"].size(), 3u);
     double worst = 0, volume = 0;
-    for (const char* lamp : {"D65", "A", "F11"})
-        worst = std::max(worst, best["delta_e_2000"][lamp].get<double>());
+    for (const char* light : {"D65", "A", "F11"})
+        worst = std::max(worst, best["delta_e_2000"][light].get<double>());
     EXPECT_NEAR(best["error"].get<double>(), worst, 1e-9);
     EXPECT_LT(worst, 4);
     for (const auto& [name, part] : best["parts_by_volume"].items()) volume += part.get<double>();
@@ -33,7 +33,7 @@ TEST(CliMatch, FindsARecipeForAMeasuredSpectrum) {
 }
 
 TEST(CliMatch, TakesAColourAndSaysWhatItsSpectrumMayBe) {
-    const Finished run = tangipaint({"match", "--lab", "52,18,30", "--under", "A", "--lamps", "A"});
+    const Finished run = tangipaint({"match", "--lab", "52,18,30", "--under", "A", "--illuminants", "A"});
     ASSERT_TRUE(ended(run, 0));
     const nlohmann::json said = run.json();
     EXPECT_EQ(said["target"]["seen_under"], "A");
@@ -86,7 +86,7 @@ TEST(CliMatch, SaysWhatIsWrong) {
     EXPECT_TRUE(ended(tangipaint({"match"}), 2, {"--spectrum", "--mask"}));
     EXPECT_TRUE(ended(tangipaint({"match", "--lab", "1,2"}), 2, {"--lab 1,2", "three numbers"}));
     EXPECT_TRUE(ended(tangipaint({"match", "--srgb", "red"}), 2, {"#rrggbb"}));
-    EXPECT_TRUE(ended(tangipaint({"match", "--lab", "50,0,0", "--lamps", "D65,sun"}), 2, {"'sun'"}));
+    EXPECT_TRUE(ended(tangipaint({"match", "--lab", "50,0,0", "--illuminants", "D65,sun"}), 2, {"'sun'"}));
     EXPECT_TRUE(ended(tangipaint({"match", "--spectrum", bad}), 1, {bad, "line 2", "reflects 30"}));
     EXPECT_TRUE(ended(tangipaint({"match", "--lab", "60,120,-120"}), 1, {"no surface has it"}));
     EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"bad.csv"});
@@ -128,7 +128,7 @@ TEST(CliRetouch, LaysARetouchThatQualityJudges) {
     const Finished after = tangipaint(
         {"quality", loss.path("r.exr"), "--mask", loss.path("m.png"), "--out", loss.path("after")});
     ASSERT_TRUE(ended(after, 0));
-    for (const char* lamp : {"D65", "A", "F11"}) EXPECT_LT(after.json()["delta_e_2000"][lamp], 3) << lamp;
+    for (const char* light : {"D65", "A", "F11"}) EXPECT_LT(after.json()["delta_e_2000"][light], 3) << light;
     EXPECT_NEAR(after.json()["regions"][0]["height_step_mm"]["mean"].get<double>(), 0.05, 0.005);
     EXPECT_EQ(names_in(loss.dir / "after"),
               (std::vector<std::string>{"delta_e_2000.exr", "delta_e_2000.png", "gloss.exr", "height_mm.exr",

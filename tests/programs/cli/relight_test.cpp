@@ -349,29 +349,29 @@ TEST(CliCompare, RefusesWhatCannotBeCompared) {
 
 TEST(CliRelight, FaithfulOfAFitThatFoundNothingIsWardsPicture) {
     const TinyStack stack;
-    const auto relit = [&](const std::string& painting, bool faithful, const std::string& name) {
+    const auto relit = [&](const std::string& painting, bool with_residual, const std::string& name) {
         std::vector<std::string> words = {"relight",     painting, "--light",
                                           "0.5,0.3,0.8", "--out",  stack.out(name)};
-        if (faithful) words.emplace_back("--faithful");
+        if (with_residual) words.emplace_back("--residual");
         return tangipaint(words);
     };
-    EXPECT_TRUE(ended(relit(stack.truth(), true, "never.png"), 1, {"has no part 'faithful'"}));
+    EXPECT_TRUE(ended(relit(stack.truth(), true, "never.png"), 1, {"has no part 'residual'"}));
     // Bounds that no residual meets.
     const std::string tried = stack.out("tried.exr");
     const Finished fit =
-        tangipaint({"fit", stack.path(), "--faithful", "--faithful-worth-db", "20", "--transfer", "linear",
+        tangipaint({"fit", stack.path(), "--residual", "--residual-min-gain-db", "20", "--transfer", "linear",
                     "--register", "off", "--lights-as-given", "--out", tried});
     ASSERT_TRUE(fit.code == 0 || fit.code == 3) << fit.err;
-    ASSERT_EQ(fit.json()["faithful"]["used"], false) << fit.out;
+    ASSERT_EQ(fit.json()["residual"]["used"], false) << fit.out;
     const Finished run = relit(tried, true, "a.png");
-    ASSERT_TRUE(ended(run, 0, {"fit --faithful found none"}));
+    ASSERT_TRUE(ended(run, 0, {"fit --residual found none"}));
     EXPECT_EQ(run.json()["warnings"].size(), 1u);
     ASSERT_TRUE(ended(relit(tried, false, "b.png"), 0));
     EXPECT_EQ(bytes_of(stack.out("a.png")), bytes_of(stack.out("b.png")));
     const Finished compare =
         tangipaint({"compare", tried, stack.path(), "--transfer", "linear", "--out", stack.out("report")});
     ASSERT_TRUE(compare.code == 0 || compare.code == 3) << compare.err;
-    EXPECT_NE(compare.err.find("fit --faithful found no residual"), std::string::npos) << compare.err;
+    EXPECT_NE(compare.err.find("fit --residual found no residual"), std::string::npos) << compare.err;
 }
 
 TEST(CliRelight, ALightWhoseHeightIsLostIsRefused) {

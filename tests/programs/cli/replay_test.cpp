@@ -63,7 +63,7 @@ TEST(CliReplay, PaintsOnASubstrateThatInfoAndRelightShow) {
     EXPECT_EQ(info.json()["brush"]["size_mm"], 4);
     EXPECT_GT(info.json()["brush"]["volumes_mm3"]["Pyrrole Red"], 1);
 
-    // Lit from aside: under a lamp beside the eye, wet paint mirrors it.
+    // Lit from aside: under a light beside the eye, wet paint mirrors it.
     ASSERT_TRUE(
         ended(tangipaint({"relight", f.path("a.exr"), "--light=-1,1,1", "--out", f.path("a.png")}), 0));
     ASSERT_TRUE(ended(f.replay(kHeader), 0));  // no stroke
@@ -338,7 +338,7 @@ TEST(CliReplay, FlagsWithoutEffectAreRefused) {
     EXPECT_FALSE(std::filesystem::exists(f.path("b.exr")));
 }
 
-TEST(CliReplay, PaintIsSeenUnderLampsAndByTheModelOfTheThesis) {
+TEST(CliReplay, PaintIsSeenUnderLightsAndByTheModelOfTheThesis) {
     const Folder f;
     ASSERT_TRUE(ended(f.replay(kHeader + kStroke), 0));
     const auto relit = [&](std::vector<std::string> flags) {

@@ -21,7 +21,7 @@ json fitted() {
             {"height", 480},
             {"mm_per_pixel", 0.390625},
             {"scale_known", true},
-            {"photographs", {{"fitted", 42}, {"held_out", 6}, {"left_out", json::array()}}},
+            {"photographs", {{"fitted", 42}, {"held_out", 6}, {"rejected", json::array()}}},
             {"median_confidence", 0.914},
             {"seconds", 51.3},
             {"warnings", json::array()},
@@ -36,7 +36,7 @@ TEST(ResultWords, OfAFitSayWhatItMadeHowGoodItIsAndWhatIsNext) {
     json poor = fitted();
     poor["scale_known"] = false;
     poor["seconds"] = 2.25;
-    poor["photographs"] = {{"fitted", 1}, {"held_out", 0}, {"left_out", {"b.jpg", "c.jpg"}}};
+    poor["photographs"] = {{"fitted", 1}, {"held_out", 0}, {"rejected", {"b.jpg", "c.jpg"}}};
     poor["warnings"] = {"one"};
     poor["poor"] = {"dark", "blurred"};
     EXPECT_THAT(

@@ -78,7 +78,7 @@ TEST(CliStrangeFiles, AnExrThatAsksForGigabytesGetsNone) {
     EXPECT_TRUE(ended(run, 0, {stack.name(2), "is damaged", "left out"}));
     EXPECT_LT(run.peak_kib, kMostMemory_kib);
     const Finished shown =
-        tangipaint({"relight", stack.truth(), "--faithful", "--light", "0,0,1", "--out", stack.out("a.png")});
+        tangipaint({"relight", stack.truth(), "--residual", "--light", "0,0,1", "--out", stack.out("a.png")});
     EXPECT_TRUE(ended(shown, 1, {"truth.exr: is damaged: its header makes no sense"}));
     EXPECT_LT(shown.peak_kib, kMostMemory_kib);
 }

@@ -59,7 +59,7 @@ TEST(CliStrangePhoto, HasValuesThatAreNoNumbers) {
     EXPECT_EQ(result["photographs"]["without_number"][0]["pixels"], 64);
     const Surface surface = read_painting(stack.out("a.exr"));  // as others read it
     for (const float c : surface.confidence.pixels()) EXPECT_TRUE(std::isfinite(c));
-    // 10 of 16 lamps are left there, and they tell the slope as well; taken for black, these six would not.
+    // 10 of 16 lights are left there, and they tell the slope as well; taken for black, these six would not.
     const Surface truth = read_painting(stack.truth());
     EXPECT_LT(degrees_off(fitted(stack, "b.exr"), truth, block), degrees_off(clean, truth, block) + 0.5);
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("a.exr")}), 0));

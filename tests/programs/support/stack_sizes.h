@@ -34,7 +34,7 @@ inline void expect_through_the_program(int width, int height, int lights, const 
     const nlohmann::json said = fit.json();
     EXPECT_EQ(said["photographs"]["fitted"], lights - held_out);
     EXPECT_EQ(said["photographs"]["held_out"], held_out);
-    EXPECT_THAT(said["photographs"]["left_out"], testing::IsEmpty());
+    EXPECT_THAT(said["photographs"]["rejected"], testing::IsEmpty());
     EXPECT_FALSE(said["registration"]["moved"]);
     ASSERT_EQ(said["registration"]["held_out"].size(), static_cast<std::size_t>(held_out));
     for (const nlohmann::json& drift : said["registration"]["held_out"]) {

@@ -1,5 +1,5 @@
 // fields_test.cpp: in the real window: numbers with a decimal comma, a small window with a
-// treatment, what is compared under its own lamp, doubts that the fit had.
+// treatment, what is compared under its own light, doubts that the fit had.
 #include <gmock/gmock.h>
 
 #include "retouch/treatment/treatment.h"

@@ -30,12 +30,12 @@ protected:
     }
 };
 
-// [sRGB] What the window shows first of a surface: the usual lamp, tone curve and shadows, by the reference.
+// [sRGB] What the window shows first of a surface: the usual light, tone curve and shadows, by the reference.
 Image<Rgb> reference_of(Surface surface) {
     surface.photography = {};
-    const Light lamp = distant_light(direction_of(135, 50));
+    const Light light = distant_light(direction_of(135, 50));
     Image<Rgb> picture =
-        relight(surface, {&lamp, 1}, {.cast_shadows = true, .light_radius_deg = 1.5, .ambient = 0.03});
+        relight(surface, {&light, 1}, {.cast_shadows = true, .light_radius_deg = 1.5, .ambient = 0.03});
     constexpr float kShoulder = 0.15f, s = 1 - kShoulder;
     for (Rgb& c : picture.pixels()) {
         for (int i = 0; i < 3; ++i)

@@ -69,7 +69,7 @@ TEST_F(Window, ADiskThatIsFullForAMomentLosesNoStroke) {
     if (!disk.is_there()) GTEST_SKIP() << "no disk can be mounted here";
     fs::copy(painting_, disk / "small.exr");
     painting_ = disk / "small.exr";
-    const SittingFiles files = sitting_files(painting_);
+    const RecoveryFiles files = recovery_files(painting_);
     start();
     screen_->key("b");
     const auto strokes = [&](int count, int from_y) {
@@ -116,7 +116,7 @@ TEST_F(Window, KeysInMidStrokeEndTheStroke) {
     const auto result = close().json();
     EXPECT_EQ(result["unsaved"], false);
     EXPECT_EQ(result["saves"], 2);
-    const Journal record = read_journal(sitting_files(painting_).record);
+    const Journal record = read_journal(recovery_files(painting_).record);
     EXPECT_TRUE(record.warnings.empty()) << record.warnings.front().text;
     EXPECT_GT(strokes_in(record), 8);
     EXPECT_TRUE(recorded_as_saved(painting_));
@@ -152,7 +152,7 @@ TEST_F(Window, StrokesOfAnotherPaintingAreNotRecovered) {
     screen_->settled();
     program_->signal(SIGKILL);
     program_->wait();
-    const SittingFiles files = sitting_files(painting_);
+    const RecoveryFiles files = recovery_files(painting_);
     const std::string theirs = bytes_of(files.unsaved);
     Surface other = small_painting();
     other.diffuse(0, 0) = Rgb(0.1f);

@@ -158,7 +158,7 @@ TEST_F(Window, HoldsPhotographsAgainstThePainting) {
     write_painting(painting_, painting);
     start({"--photos", photos.string()});
     const auto wiped = screen_->settled();
-    // Both halves are the painting under the photograph's lamp: their difference is grey, and no colour.
+    // Both halves are the painting under the photograph's light: their difference is grey, and no colour.
     screen_->x({"key", "v", "key", "v"});  // blink, difference
     EXPECT_TRUE(screen_->becomes_different(wiped, kCanvas, 0.05));
     const auto difference = screen_->settled();

@@ -92,21 +92,22 @@ TEST(DataRetouch, ImpastosDamageIsSuggestedAndItsLossFilled) {
         EXPECT_LE(rms, 0.1);
     }
 
-    // Filled and retouched, it goes with what is around it under each lamp; regions count by their area.
+    // Filled and retouched, it goes with what is around it under each illuminant; regions count by their
+    // area.
     Canvas canvas(std::make_shared<Surface>(surface));
     const Mask lost = truth("loss.png");
     lay_fill(canvas, "fill 1", lost, {}, FillTexture::surroundings, Rgb(0.8f));
     lay_retouch(canvas, artist_acrylics(), lost, {}, RetouchMode::mimetic, "retouch 1");
-    const std::array lamps = {Illuminant::d65, Illuminant::a, Illuminant::f11};
-    const QualityReport quality = quality_of(canvas, lost, {}, lamps);
-    for (const Illuminant lamp : lamps) {
+    const std::array illuminants = {Illuminant::d65, Illuminant::a, Illuminant::f11};
+    const QualityReport quality = quality_of(canvas, lost, {}, illuminants);
+    for (const Illuminant illuminant : illuminants) {
         double sum = 0, area = 0;
         for (const RetouchQuality& region : quality.regions) {
-            sum += region.area_mm2 * region.delta_e[static_cast<std::size_t>(lamp)];
+            sum += region.area_mm2 * region.delta_e[static_cast<std::size_t>(illuminant)];
             area += region.area_mm2;
         }
-        record(fmt::format("retouch_delta_e_2000_{}", name_of(lamp)), sum / area);
-        EXPECT_LE(sum / area, 3) << name_of(lamp);
+        record(fmt::format("retouch_delta_e_2000_{}", name_of(illuminant)), sum / area);
+        EXPECT_LE(sum / area, 3) << name_of(illuminant);
     }
 }
 

@@ -31,7 +31,7 @@ std::vector<Pigment> small_box() {
 }
 
 // A smooth reflectance by chance, as of some other maker's paint.
-Spectrum other_paint(Draw& draw) {
+Spectrum upper_film(Draw& draw) {
     const double middle = 420 + 250 * draw(), width = 20 + 80 * draw(), low = 0.03 + 0.2 * draw(),
                  high = low + 0.6 * draw();
     const bool rises = draw() < 0.7;
@@ -120,23 +120,23 @@ TEST(Match, FindsAMixtureThatCanBeMeasured) {
     }
 }
 
-TEST(Match, ForSeveralLampsNeverLosesToOne) {
+TEST(Match, ForSeveralIlluminantsNeverLosesToOne) {
     const std::vector<Pigment> box = small_box();
     Draw draw{42};
     int better = 0;
     for (int i = 0; i < 6; ++i) {
-        const Spectrum target = other_paint(draw);
+        const Spectrum target = upper_film(draw);
         for (const MatchGoal goal : {MatchGoal::worst, MatchGoal::mean}) {
             MatchOptions several;
             several.goal = goal;
-            const FilmMatch common(box, target, several.lamps, {});
+            const FilmMatch common(box, target, several.illuminants, {});
             const MatchedRecipe best = match_spectrum(box, target, several).recipes[0];
             EXPECT_NEAR(common.error(best.mixture, goal), best.error, 1e-9);
-            for (const Illuminant lamp : several.lamps) {
+            for (const Illuminant illuminant : several.illuminants) {
                 MatchOptions one = several;
-                one.lamps = {lamp};
+                one.illuminants = {illuminant};
                 const double alone = common.error(match_spectrum(box, target, one).recipes[0].mixture, goal);
-                EXPECT_LE(best.error, alone + 1e-12) << i << " " << name_of(lamp);
+                EXPECT_LE(best.error, alone + 1e-12) << i << " " << name_of(illuminant);
                 better += best.error < 0.9 * alone;
             }
         }
@@ -158,7 +158,7 @@ TEST(Match, OfAFilmKnowsWhatLiesBelow) {
     EXPECT_LT(match_spectrum(box, target, options).recipes[0].error, 0.1);
     // Over black, the same recipe would be another colour.
     options.film->below.fill(0.02f);
-    const FilmMatch over_black(box, target, options.lamps, options.film);
+    const FilmMatch over_black(box, target, options.illuminants, options.film);
     EXPECT_GT(over_black.error(made, MatchGoal::worst), 5);
 }
 
@@ -173,7 +173,7 @@ TEST(Match, GivesFewerPaintsWhereTheyDoAsWell) {
     MatchOptions two;
     two.max_paints = 2;
     Draw draw{5};
-    for (const MatchedRecipe& r : match_spectrum(box, other_paint(draw), two).recipes)
+    for (const MatchedRecipe& r : match_spectrum(box, upper_film(draw), two).recipes)
         EXPECT_LE(r.mixture.count, 2);
 }
 
@@ -191,7 +191,7 @@ TEST(Match, FindsItsPaintsInALargeBox) {
     const std::vector<Pigment> two = {box[20], box[50]};
     const Spectrum target = opaque_look(mix(two, std::vector<float>{3, 1}));
     MatchOptions options;
-    options.lamps = {Illuminant::d65, Illuminant::a};
+    options.illuminants = {Illuminant::d65, Illuminant::a};
     EXPECT_LT(match_spectrum(box, target, options).recipes[0].error, 0.2);
 }
 
@@ -222,15 +222,17 @@ TEST(Match, SaysWhatIsWrong) {
     EXPECT_NE(error_of([&] { match_spectrum(box, {}, options); }).find("max_paints"), std::string::npos);
     EXPECT_NE(error_of([&] { match_spectrum({}, {}); }).find("palette"), std::string::npos);
     options = {};
-    options.lamps.clear();
+    options.illuminants.clear();
     EXPECT_NE(error_of([&] { match_spectrum(box, {}, options); }).find("D65,A,F11"), std::string::npos);
 }
 
 TEST(SpectrumOfAColour, HasTheColour) {
-    for (const Illuminant lamp : {Illuminant::a, Illuminant::d50, Illuminant::f11, Illuminant::warm_led}) {
-        const glm::dvec3 xyz = white_xyz(lamp) * glm::dvec3(0.35, 0.3, 0.15);
-        const Spectrum r = smooth_spectrum(xyz, lamp);
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(xyz_of(r, lamp)[c], xyz[c], 1e-4) << name_of(lamp);
+    for (const Illuminant illuminant :
+         {Illuminant::a, Illuminant::d50, Illuminant::f11, Illuminant::warm_led}) {
+        const glm::dvec3 xyz = white_xyz(illuminant) * glm::dvec3(0.35, 0.3, 0.15);
+        const Spectrum r = smooth_spectrum(xyz, illuminant);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(xyz_of(r, illuminant)[c], xyz[c], 1e-4) << name_of(illuminant);
         for (const float v : r) EXPECT_TRUE(v >= 0 && v <= 1);
     }
     EXPECT_NE(error_of([] {
@@ -251,7 +253,7 @@ TEST(SpectrumOfAColour, IsOneThatThePaintsCanHave) {
     ASSERT_TRUE(likely);
     EXPECT_GT(likely->mixtures, 1);
     EXPECT_LT(delta_e_2000(lab_under(likely->reflectance), lab_under(truth)), 1);
-    // It is as far off under another lamp as it says that such mixtures are, about.
+    // It is as far off under another illuminant as it says that such mixtures are, about.
     const double off =
         delta_e_2000(lab_under(likely->reflectance, Illuminant::a), lab_under(truth, Illuminant::a));
     EXPECT_LT(off, 3 * likely->spread[static_cast<std::size_t>(Illuminant::a)] + 1);
@@ -259,7 +261,7 @@ TEST(SpectrumOfAColour, IsOneThatThePaintsCanHave) {
 
 TEST(Metamerism, IsNoneWhereTheSpectraAreTheSame) {
     Draw draw{3};
-    const Spectrum a = other_paint(draw), b = other_paint(draw);
+    const Spectrum a = upper_film(draw), b = upper_film(draw);
     EXPECT_LT(metamerism_index(a, a, Illuminant::a), 1e-6);
     EXPECT_LT(metamerism_index(a, b, Illuminant::d65), 1e-6) << "corrected to match there";
     EXPECT_GT(metamerism_index(a, b, Illuminant::a), 0.1);
@@ -280,7 +282,7 @@ TEST(ReflectanceFile, IsReadAtTheBands) {
 }
 
 // 43 conservation colours from the 19 acrylics.
-TEST(DataConservationColours, MatchBetterUnderAllLampsThanUnderOne) {
+TEST(DataConservationColours, MatchBetterUnderAllIlluminantsThanUnderOne) {
     TP_DATA(tables, "tables");
     std::ifstream stream(tables / "gamblin_conservation_reflectance.csv");
     std::string line;
@@ -295,8 +297,8 @@ TEST(DataConservationColours, MatchBetterUnderAllLampsThanUnderOne) {
         for (std::size_t band = 0; band < kBands; ++band)
             target[band] = samples[static_cast<std::size_t>((kBand_nm[band] - 380) / 10)];
         MatchOptions all, d65;
-        d65.lamps = {Illuminant::d65};
-        const FilmMatch common(artist_acrylics().paints, target, all.lamps, {});
+        d65.illuminants = {Illuminant::d65};
+        const FilmMatch common(artist_acrylics().paints, target, all.illuminants, {});
         const auto start = std::chrono::steady_clock::now();
         worst_of_all += match_spectrum(artist_acrylics().paints, target, all).recipes[0].error;
         seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

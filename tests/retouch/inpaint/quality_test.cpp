@@ -9,7 +9,7 @@
 namespace tangi {
 namespace {
 
-const std::vector<Illuminant> kLamps = {Illuminant::d65, Illuminant::a};
+const std::vector<Illuminant> kFewLights = {Illuminant::d65, Illuminant::a};
 
 // A plane that rises to the right, grey, with a square patch.
 struct Patched {
@@ -31,7 +31,7 @@ struct Patched {
             }
     }
     QualityReport quality() const {
-        return quality_of(Canvas(std::make_shared<Surface>(surface)), patch, {}, kLamps);
+        return quality_of(Canvas(std::make_shared<Surface>(surface)), patch, {}, kFewLights);
     }
 };
 
@@ -40,9 +40,9 @@ TEST(Quality, OfWhatIsLikeItsSurroundingsIsZero) {
     ASSERT_EQ(report.regions.size(), 1u);
     const RetouchQuality& q = report.regions[0];
     EXPECT_NEAR(q.area_mm2, 30 * 30 * 0.0625, 1e-6);
-    for (const Illuminant lamp : kLamps) {
-        EXPECT_LT(q.delta_e[static_cast<std::size_t>(lamp)], 0.01);
-        EXPECT_LT(q.border_delta_e[static_cast<std::size_t>(lamp)], 0.01);
+    for (const Illuminant illuminant : kFewLights) {
+        EXPECT_LT(q.delta_e[static_cast<std::size_t>(illuminant)], 0.01);
+        EXPECT_LT(q.border_delta_e[static_cast<std::size_t>(illuminant)], 0.01);
     }
     EXPECT_TRUE(std::isnan(q.delta_e[static_cast<std::size_t>(Illuminant::f11)])) << "nobody asked";
     EXPECT_NEAR(q.height_mm.mean, 0, 1e-3);
@@ -131,11 +131,12 @@ TEST(Quality, TellsHowMuchTheSurroundingsVaryThemselves) {
 TEST(Quality, SaysWhatIsWrong) {
     const Patched patched(0, Rgb(0.3f), 0.04f, 0.15f);
     const Canvas canvas(std::make_shared<Surface>(patched.surface));
-    EXPECT_NE(error_of([&] { quality_of(canvas, Mask(100, 90), {}, kLamps); }).find("mask is empty"),
+    EXPECT_NE(error_of([&] { quality_of(canvas, Mask(100, 90), {}, kFewLights); }).find("mask is empty"),
               std::string::npos);
-    EXPECT_NE(
-        error_of([&] { quality_of(canvas, patched.patch, Mask(100, 90, 1), kLamps); }).find("--annulus-mm"),
-        std::string::npos);
+    EXPECT_NE(error_of([&] {
+                  quality_of(canvas, patched.patch, Mask(100, 90, 1), kFewLights);
+              }).find("--annulus-mm"),
+              std::string::npos);
 }
 
 TEST(Gloss, DifferencesAreADistance) {
@@ -153,7 +154,7 @@ TEST(Gloss, DifferencesAreADistance) {
 }
 
 TEST(LookUnderALamp, IsOfOneKindForPaintAndCanvas) {
-    // Grey stays grey under every lamp, painted or not.
+    // Grey stays grey under every illuminant, painted or not.
     Surface grey(64, 64);
     grey.mm_per_pixel = 0.25, grey.scale_known = true;
     for (Rgb& c : grey.diffuse.pixels()) c = Rgb(0.4f, 0.25f, 0.1f);

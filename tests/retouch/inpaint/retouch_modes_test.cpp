@@ -76,8 +76,8 @@ TEST(Retouch, MimeticLooksLikeItsSurroundings) {
     const Damaged damaged;
     Canvas canvas = damaged.canvas();
     const RetouchReport report = laid(canvas, damaged, RetouchMode::mimetic);
-    for (const Illuminant lamp : {Illuminant::d65, Illuminant::a, Illuminant::f11})
-        EXPECT_LT(report.delta_e_mean[static_cast<std::size_t>(lamp)], 2) << name_of(lamp);
+    for (const Illuminant illuminant : {Illuminant::d65, Illuminant::a, Illuminant::f11})
+        EXPECT_LT(report.delta_e_mean[static_cast<std::size_t>(illuminant)], 2) << name_of(illuminant);
     // What was there before the loss is known here: the gradient goes on through it.
     const Surface seen = appearance(canvas);
     double sum = 0;
@@ -320,8 +320,8 @@ TEST(Juxtaposition, MixesByArea) {
     for (std::size_t band = 0; band < kBands; ++band)
         target[band] = 0.2f * bare[band] +
                        0.8f * (0.25f * looks[0][band] + 0.25f * looks[2][band] + 0.5f * looks[3][band]);
-    const std::vector<Illuminant> lamps = {Illuminant::d65, Illuminant::a, Illuminant::f11};
-    const Juxtaposition found = juxtapose(looks, target, lamps, bare, 0.2);
+    const std::vector<Illuminant> illuminants = {Illuminant::d65, Illuminant::a, Illuminant::f11};
+    const Juxtaposition found = juxtapose(looks, target, illuminants, bare, 0.2);
     EXPECT_LT(found.delta_e, 2.5);
     double sum = 0;
     for (const double share : found.shares) sum += share;

@@ -122,7 +122,8 @@ TEST_F(Report, IsAPdfOfTextAndPictures) {
     EXPECT_TRUE(std::filesystem::exists(dir_ / "report.html"));
     const std::string bytes = read_text_file(dir_ / "report.pdf");
     EXPECT_EQ(bytes.rfind("%PDF-", 0), 0u);
-    EXPECT_EQ(count(bytes, "/DCTDecode"), 9);  // damage, additions, 2 states x 3 lamps, the mask in colour
+    EXPECT_EQ(count(bytes, "/DCTDecode"),
+              9);  // damage, additions, 2 states x 3 illuminants, the mask in colour
     const std::string text = text_of_pdf(dir_ / "report.pdf", dir_ / "report.txt");
     EXPECT_THAT(text, AllOf(HasSubstr("1. Identification"), HasSubstr("6. Log"), HasSubstr("A. <Restorer>"),
                             HasSubstr(treatment.log().head()), HasSubstr("0.38 cm²"),
@@ -154,13 +155,13 @@ TEST_F(Report, TheStateBeforeIsTheEarlierCaptureWhereThereIsOne) {
     for (Rgb& c : dirty->diffuse.pixels()) c *= Rgb(0.5f, 0.4f, 0.2f);
     write_painting(dir_ / "dirty.exr", *dirty);
     const Canvas canvas = treatment.read_canvas();
-    const Rgb clean = surface_in_state(treatment, canvas, TreatmentState::before).diffuse(5, 5);
+    const Rgb clean = surface_in_state(treatment, canvas, TreatmentStage::before).diffuse(5, 5);
     treatment.keep_earlier(dir_ / "dirty.exr", kAuthorToEscape);
     treatment = Treatment::open(folder());
     EXPECT_TRUE(treatment.has_earlier());
-    EXPECT_NEAR(surface_in_state(treatment, canvas, TreatmentState::before).diffuse(5, 5).b, 0.2f * clean.b,
+    EXPECT_NEAR(surface_in_state(treatment, canvas, TreatmentStage::before).diffuse(5, 5).b, 0.2f * clean.b,
                 1e-3);
-    EXPECT_EQ(surface_in_state(treatment, canvas, TreatmentState::cleaned).diffuse(5, 5), clean);
+    EXPECT_EQ(surface_in_state(treatment, canvas, TreatmentStage::cleaned).diffuse(5, 5), clean);
     EXPECT_TRUE(treatment.check().empty());
     write_treatment_report(treatment, dir_ / "report.html", "");
     EXPECT_THAT(read_text_file(dir_ / "report.html"), HasSubstr("cleaned, raking from above"));

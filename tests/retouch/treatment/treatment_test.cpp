@@ -59,14 +59,14 @@ TEST_F(TreatmentFolder, StatesShowTheLayersUpToTheirs) {
     add(treatment, LayerRole::retouch, 10);
     add(treatment, LayerRole::varnish, 10);
     const Canvas canvas = treatment.read_canvas();
-    const auto count = [&](TreatmentState state) {
+    const auto count = [&](TreatmentStage state) {
         return in_state(canvas, treatment.layers(), state).dried().size();
     };
-    EXPECT_EQ(count(TreatmentState::before), 0u);
-    EXPECT_EQ(count(TreatmentState::cleaned), 0u);
-    EXPECT_EQ(count(TreatmentState::filled), 1u);
-    EXPECT_EQ(count(TreatmentState::retouched), 3u);
-    EXPECT_EQ(count(TreatmentState::varnished), 4u);
+    EXPECT_EQ(count(TreatmentStage::before), 0u);
+    EXPECT_EQ(count(TreatmentStage::cleaned), 0u);
+    EXPECT_EQ(count(TreatmentStage::filled), 1u);
+    EXPECT_EQ(count(TreatmentStage::retouched), 3u);
+    EXPECT_EQ(count(TreatmentStage::varnished), 4u);
 }
 
 TEST_F(TreatmentFolder, ARetouchOnVarnishIsShownOnIt) {
@@ -74,7 +74,7 @@ TEST_F(TreatmentFolder, ARetouchOnVarnishIsShownOnIt) {
     add(treatment, LayerRole::varnish, 10, 20);
     add(treatment, LayerRole::retouch, 10);
     add(treatment, LayerRole::varnish, 10, 20);
-    const Canvas shown = in_state(treatment.read_canvas(), treatment.layers(), TreatmentState::retouched);
+    const Canvas shown = in_state(treatment.read_canvas(), treatment.layers(), TreatmentStage::retouched);
     ASSERT_EQ(shown.dried().size(), 2u);
     EXPECT_EQ(shown.dried()[0].name, "varnish 1");
     EXPECT_EQ(shown.dried()[1].name, "retouch 1");
@@ -84,9 +84,9 @@ TEST_F(TreatmentFolder, ALawOfReflectanceThatWasChangedIsNoticed) {
     const Treatment treatment = begin();
     EXPECT_THAT(treatment.check(), IsEmpty());
     Surface surface = read_painting(treatment.painting());
-    surface.law.haze = 0.6;
+    surface.reflectance_model.haze = 0.6;
     write_painting(treatment.painting(), surface);
-    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("law of reflectance")));
+    EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("reflectance model")));
 }
 
 TEST_F(TreatmentFolder, AnEarlierStateThatWasChangedIsNotShown) {

@@ -1,4 +1,4 @@
-// light_model_test.cpp: unseen lamps are predicted from those that were photographed.
+// light_model_test.cpp: unseen lights are predicted from those that were photographed.
 #include "surface/maps/light_model.h"
 
 #include <fmt/format.h>
@@ -15,13 +15,13 @@ namespace tangi {
 namespace {
 
 template <class Gain>
-std::vector<Light> lamps(int count, Gain&& gain) {
+std::vector<Light> lights_of(int count, Gain&& gain) {
     std::vector<Light> lights = dome_lights(count);
     for (Light& light : lights) light.gain = Rgb(static_cast<float>(gain(light.direction)));
     return lights;
 }
 
-double worst_error(const LampModel& model, const std::vector<Light>& lights, auto&& gain) {
+double worst_error(const LightModel& model, const std::vector<Light>& lights, auto&& gain) {
     Random random(3);
     double worst = 0;
     for (int i = 0; i < 200; ++i) {
@@ -31,21 +31,21 @@ double worst_error(const LampModel& model, const std::vector<Light>& lights, aut
     return worst;
 }
 
-TEST(LampModel, OfEqualLampsPredictsTheSame) {
+TEST(LightModel, OfEqualLightsPredictsTheSame) {
     const auto gain = [](const Vec3&) { return 0.8; };
-    const std::vector<Light> lights = lamps(40, gain);
-    EXPECT_LE(worst_error(fit_lamp_model(lights), lights, gain), 1e-3);
+    const std::vector<Light> lights = lights_of(40, gain);
+    EXPECT_LE(worst_error(fit_light_model(lights), lights, gain), 1e-3);
 }
 
-TEST(LampModel, FollowsASmoothTrend) {
+TEST(LightModel, FollowsASmoothTrend) {
     const auto gain = [](const Vec3& l) { return std::exp(0.3 * l.x - 0.2 * l.y + 0.4 * l.x * l.x); };
-    const std::vector<Light> lights = lamps(60, gain);
-    EXPECT_LE(worst_error(fit_lamp_model(lights), lights, gain), 0.05);
+    const std::vector<Light> lights = lights_of(60, gain);
+    EXPECT_LE(worst_error(fit_light_model(lights), lights, gain), 0.05);
 }
 
-TEST(LampModel, PredictsColoursAsItDoesStrengths) {
-    std::vector<Light> lights = lamps(60, [](const Vec3&) { return 0.8; });
-    EXPECT_EQ(predicted_colour(lights, {0, 0, 1}), Rgb(1)) << "of lamps without colour";
+TEST(LightModel, PredictsColoursAsItDoesStrengths) {
+    std::vector<Light> lights = lights_of(60, [](const Vec3&) { return 0.8; });
+    EXPECT_EQ(predicted_colour(lights, {0, 0, 1}), Rgb(1)) << "of lights without colour";
     const auto red = [](const Vec3& l) { return std::exp(0.3f * l.x); };
     for (Light& light : lights) light.gain *= Rgb(red(light.direction), 1, 0.9f);
     Random random(5);
@@ -58,13 +58,13 @@ TEST(LampModel, PredictsColoursAsItDoesStrengths) {
     }
 }
 
-TEST(LampModel, FollowsWhatNeighboursHaveInCommon) {
-    // A lamp that was nearer on one side of the arc: no quadratic has that shape.
+TEST(LightModel, FollowsWhatNeighboursHaveInCommon) {
+    // A light that was nearer on one side of the arc: no quadratic has that shape.
     const auto gain = [](const Vec3& l) {
         return 1 + 0.6 * std::exp(-12 * ((l.x - 0.5) * (l.x - 0.5) + l.y * l.y));
     };
-    const std::vector<Light> lights = lamps(150, gain);
-    const LampModel model = fit_lamp_model(lights);
+    const std::vector<Light> lights = lights_of(150, gain);
+    const LightModel model = fit_light_model(lights);
     EXPECT_LE(std::abs(predicted_gain(model, lights, glm::normalize(Vec3(0.5, 0.05, 0.8))) /
                            gain(glm::normalize(Vec3(0.5, 0.05, 0.8))) -
                        1),
@@ -72,11 +72,11 @@ TEST(LampModel, FollowsWhatNeighboursHaveInCommon) {
     EXPECT_LE(worst_error(model, lights, gain), 0.25);
 }
 
-TEST(LampModel, OfRandomStrengthsPredictsTheMiddleAndNoNeighbour) {
+TEST(LightModel, OfRandomStrengthsPredictsTheMiddleAndNoNeighbour) {
     Random random(11);
     const std::vector<Light> lights =
-        lamps(60, [&](const Vec3&) { return std::exp(random.uniform(-0.5, 0.5)); });
-    const LampModel model = fit_lamp_model(lights);
+        lights_of(60, [&](const Vec3&) { return std::exp(random.uniform(-0.5, 0.5)); });
+    const LightModel model = fit_light_model(lights);
     for (int i = 0; i < 100; ++i) {
         const double gain = predicted_gain(model, lights, random.direction(0.3));
         EXPECT_GE(gain, 0.7);
@@ -84,32 +84,32 @@ TEST(LampModel, OfRandomStrengthsPredictsTheMiddleAndNoNeighbour) {
     }
 }
 
-// Of many ways to follow directions, one fits a few lamps of random strengths by chance.
-TEST(LampModel, OfFewRandomStrengthsPredictsTheirMean) {
+// Of many ways to follow directions, one fits a few lights of random strengths by chance.
+TEST(LightModel, OfFewRandomStrengthsPredictsTheirMean) {
     double squares = 0;
     constexpr int stacks = 40, looks = 40;
     constexpr double sigma = 0.25;
     for (int seed = 1; seed <= stacks; ++seed) {
         Random random(static_cast<std::uint64_t>(seed));
         std::vector<double> logs;
-        const std::vector<Light> lights = lamps(8 + seed % 17, [&](const Vec3&) {
+        const std::vector<Light> lights = lights_of(8 + seed % 17, [&](const Vec3&) {
             logs.push_back(sigma * random.normal());
             return std::exp(logs.back());
         });
         const double mean = std::accumulate(logs.begin(), logs.end(), 0.0) / static_cast<double>(logs.size());
-        const LampModel model = fit_lamp_model(lights);
+        const LightModel model = fit_light_model(lights);
         for (int i = 0; i < looks; ++i)
             squares += std::pow(std::log(predicted_gain(model, lights, random.direction(0.3))) - mean, 2);
     }
     const double off = std::sqrt(squares / (stacks * looks));
-    std::cout << fmt::format("[  FIGURE  ] ln gain off the mean by {:.3f} rms, lamps by {}\n", off, sigma);
+    std::cout << fmt::format("[  FIGURE  ] ln gain off the mean by {:.3f} rms, lights by {}\n", off, sigma);
     EXPECT_LE(off, 0.4 * sigma);
 }
 
-TEST(LampModel, IsNotBentByALampThatFailed) {
+TEST(LightModel, IsNotBentByALampThatFailed) {
     int index = 0;
-    const std::vector<Light> lights = lamps(60, [&](const Vec3&) { return index++ == 20 ? 0.1 : 1.0; });
-    const LampModel model = fit_lamp_model(lights);
+    const std::vector<Light> lights = lights_of(60, [&](const Vec3&) { return index++ == 20 ? 0.1 : 1.0; });
+    const LightModel model = fit_light_model(lights);
     EXPECT_NEAR(predicted_gain(model, lights, -lights[20].direction * Vec3(1, 1, -1)), 1, 0.03);
 }
 
@@ -133,23 +133,23 @@ TEST(BeamModel, FollowsSmoothTrendsOfAllTerms) {
     EXPECT_TRUE(predicted_beam(fit_beam_model({}, 1), {}, {0, 0, 1}).even());
 }
 
-TEST(LampModel, OfNoLampsIsOne) { EXPECT_EQ(predicted_gain(fit_lamp_model({}), {}, {0, 0, 1}), 1); }
+TEST(LightModel, OfNoLightsIsOne) { EXPECT_EQ(predicted_gain(fit_light_model({}), {}, {0, 0, 1}), 1); }
 
-TEST(AsPhotographed, PredictsLampsThatNoPhotographHad) {
+TEST(AsPhotographed, PredictsLightsThatNoPhotographHad) {
     Photography photography;
     const auto gain = [](const Vec3& l) { return std::exp(0.3 * l.x); };
-    for (const Light& light : lamps(60, gain)) photography.photos.push_back({light, true});
+    for (const Light& light : lights_of(60, gain)) photography.photos.push_back({light, true});
     photography.photos.push_back({distant_light({0, 0, 1}, "held out"), false});
     photography.photos.back().light.gain = Rgb(50);  // must not count
-    photography.lamps = fit_lamp_model(lamps(60, gain));
-    photography.rig.lamp_distance_mm = 700.0f;
+    photography.lights = fit_light_model(lights_of(60, gain));
+    photography.rig.light_distance_mm = 700.0f;
     const Light unseen = as_photographed(distant_light({0.6f, 0, 0.8f}), photography);
     EXPECT_NEAR(unseen.gain.g, std::exp(0.18), 0.03);
     ASSERT_TRUE(unseen.position_mm);
     EXPECT_NEAR(glm::length(*unseen.position_mm), 700, 1e-3);
 }
 
-TEST(AsPhotographed, LeavesLampsAloneWhereNothingIsKnown) {
+TEST(AsPhotographed, LeavesLightsAloneWhereNothingIsKnown) {
     const Light light = as_photographed(distant_light({0.6f, 0, 0.8f}), {});
     EXPECT_EQ(light.gain, Rgb(1));
     EXPECT_FALSE(light.position_mm);

@@ -34,19 +34,19 @@ TEST(DistantLight, IsTheSameEverywhere) {
     EXPECT_EQ(in.irradiance, light.gain);
 }
 
-// A lamp of which the direction and distance are from a point below the paint lights it as one that stands
+// A light of which the direction and distance are from a point below the paint lights it as one that stands
 // there.
 TEST(NearLight, IsPlacedAsFarBelowAsTheSurfaceIsAbove) {
     Random random(3);
     for (int i = 0; i < 100; ++i) {
-        const Rig rig{.lamp_distance_mm = random.real(150, 900), .surface_above_mm = random.real(-20, 20)};
+        const Rig rig{.light_distance_mm = random.real(150, 900), .surface_above_mm = random.real(-20, 20)};
         Light listed = distant_light(random.direction(0.2));
         listed.gain = {0.5f, 1, 2};
         Light placed = listed;
         place(placed, rig);
         ASSERT_TRUE(placed.position_mm);
         EXPECT_LE(glm::length(placed.direction - glm::normalize(*placed.position_mm)), 1e-6f);
-        Light there = near_light(listed.direction * *rig.lamp_distance_mm);
+        Light there = near_light(listed.direction * *rig.light_distance_mm);
         there.gain = listed.gain;
         const Vec3 point(random.real(-60, 60), random.real(-60, 60), 0);
         const Incidence seen = incidence(placed, point),
@@ -115,7 +115,7 @@ TEST(Incidence, BendsDirectionsWithTheDistanceFromTheCentre) {
     // 50 mm to the right, a turn of 0.05 (to second order) towards +x.
     EXPECT_NEAR(incidence(above, {50, 0, 0}, rig).direction.x, 0.05, 1e-4);
     EXPECT_NEAR(incidence(above, {0, -50, 0}, rig).direction.y, -0.05, 1e-4);
-    // All lamps turn alike: angles between them stay, to second order in the turn.
+    // All lights turn alike: angles between them stay, to second order in the turn.
     Random random(2);
     for (int i = 0; i < 50; ++i) {
         const Light a = distant_light(random.direction(0.1)), b = near_light(random.direction(0.1) * 1e6f);

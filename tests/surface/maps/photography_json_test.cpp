@@ -54,9 +54,9 @@ TEST(PhotographyJson, WithAnUnknownTransferIsAnError) {
     EXPECT_EQ(error_of([&] { photography_from_json(j); }), "unknown transfer curve 'rec709'");
 }
 
-TEST(PhotographyJson, WithASurfaceAboveTheLampsIsAnError) {
+TEST(PhotographyJson, WithASurfaceAboveTheLightsIsAnError) {
     Photography p;
-    p.rig = {.lamp_distance_mm = 70, .surface_above_mm = 70};
+    p.rig = {.light_distance_mm = 70, .surface_above_mm = 70};
     EXPECT_THAT(error_of([&] { photography_from_json(to_json(p)); }),
                 testing::HasSubstr("surface_above_mm = 70"));
 }
@@ -78,33 +78,33 @@ TEST(PhotographyJson, WithAFieldMissingOrOfAnotherTypeThrows) {
     }
 }
 
-TEST(PhotographyJson, RoundTripsRigAndLamps) {
+TEST(PhotographyJson, RoundTripsRigAndLights) {
     Photography p;
     p.photos.emplace_back().light.beam.terms = {0.5f, -0.25f, 0.125f, 0, 1e-3f};
     p.beams = BeamModel{.radius_mm = 120.5};
     p.beams->terms[3] = {{1, 2, 3, 4, 5, 6}, 0.25, 3};
     p.rig = {.ambient = 0.0625f,
              .camera_distance_mm = 612.5f,
-             .lamp_distance_mm = {},
+             .light_distance_mm = {},
              .surface_above_mm = 3.5f,
              .bend_per_mm = -1e-4f,
-             .lamp_radius_deg = 2.5f};
-    p.lamps = LampModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
+             .light_radius_deg = 2.5f};
+    p.lights = LightModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.rig, p.rig);
-    EXPECT_EQ(back.lamps, p.lamps);
+    EXPECT_EQ(back.lights, p.lights);
     EXPECT_EQ(back.beams, p.beams);
     EXPECT_EQ(back.photos.at(0).light.beam, p.photos[0].light.beam);
 }
 
-TEST(PhotographyJson, HasLampsOfAPossibleSize) {
+TEST(PhotographyJson, HasLightsOfAPossibleSize) {
     json j = to_json(Photography{});
-    j["rig"].erase("lamp_radius_deg");  // as before it was looked for
-    EXPECT_EQ(photography_from_json(j).rig.lamp_radius_deg, Rig::kPointLamp_deg);
+    j["rig"].erase("light_radius_deg");  // as before it was looked for
+    EXPECT_EQ(photography_from_json(j).rig.light_radius_deg, Rig::kPointLight_deg);
     for (const double deg : {-1.0, 46.0}) {
-        j["rig"]["lamp_radius_deg"] = deg;
+        j["rig"]["light_radius_deg"] = deg;
         EXPECT_EQ(error_of([&] { photography_from_json(j); }),
-                  fmt::format("rig.lamp_radius_deg = {} is outside [0, 45] deg", deg));
+                  fmt::format("rig.light_radius_deg = {} is outside [0, 45] deg", deg));
     }
 }
 
@@ -113,7 +113,7 @@ TEST(PhotographyJson, OfVersion01HasADistantRig) {
     j.erase("rig");
     const Photography back = photography_from_json(j);
     EXPECT_EQ(back.rig, Rig{});
-    EXPECT_FALSE(back.lamps);
+    EXPECT_FALSE(back.lights);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ constexpr int kLargeWidth = 4001, kLargeHeight = 1000;  // four million pixels, 
 Surface large() {
     Surface s(kLargeWidth, kLargeHeight);
     s.mm_per_pixel = 0.5;
-    s.law = {.diffuse_roughness = 0.25, .haze = 0.5};
+    s.reflectance_model = {.diffuse_roughness = 0.25, .haze = 0.5};
     for (int y = 0; y < kLargeHeight; ++y)
         for (int x = 0; x < kLargeWidth; ++x) {
             s.diffuse(x, y) = Rgb(x < 2000 ? 0.25f : 0.75f, y < 400 ? 0.5f : 0.0f, 0.125f);
@@ -40,7 +40,7 @@ TEST(Overview, IsTheMeanOfWhatIsSeen) {
     EXPECT_EQ(small.width(), 1001);
     EXPECT_EQ(small.height(), 250);
     EXPECT_NEAR(small.mm_per_pixel, 2, 0.002);
-    EXPECT_EQ(small.law, s.law);
+    EXPECT_EQ(small.reflectance_model, s.reflectance_model);
     const float shorter = glm::length(Vec3(0, 0, normal_of({0.3f, 0}).z));
     EXPECT_NEAR(small.diffuse(10, 10).r, 0.25f * shorter, 1e-3);
     EXPECT_NEAR(small.diffuse(900, 10).r, 0.75f * shorter, 1e-3);

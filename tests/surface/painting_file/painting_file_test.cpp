@@ -66,7 +66,7 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     s.confidence(4, 0) = 0;   // kept as it is where it can be relit
     s.mm_per_pixel = 0.0625;  // exact in a float, as the file holds it
     s.scale_known = true;
-    s.law = {.diffuse_roughness = 0.3, .haze = 0.6};
+    s.reflectance_model = {.diffuse_roughness = 0.3, .haze = 0.6};
     s.provenance = R"({"program": "test", "note": "Größe, \"quoted\"\nsecond line"})";
     s.photography.transfer = {Transfer::Kind::gamma, 1 / 0.45};
     s.photography.white_level = 0.1 + 0.2;  // no short decimal
@@ -79,7 +79,7 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     expect_same_maps(s, back);
     EXPECT_EQ(back.mm_per_pixel, s.mm_per_pixel);
     EXPECT_TRUE(back.scale_known);
-    EXPECT_EQ(back.law, s.law);
+    EXPECT_EQ(back.reflectance_model, s.reflectance_model);
     EXPECT_EQ(back.provenance, s.provenance);
     EXPECT_EQ(back.photography.transfer, s.photography.transfer);
     EXPECT_EQ(back.photography.white_level, s.photography.white_level);
@@ -99,15 +99,15 @@ TEST(PaintingFile, KeepsTheColoursOfLobes) {
     const TestDir dir;
     Surface s = random_surface(19, 23);
     const std::string white = hash_of(s);
-    s.lobe_colour = Image<Rgb>(19, 23, Rgb(1));
+    s.specular_colour = Image<Rgb>(19, 23, Rgb(1));
     Random random(2);
-    for (Rgb& colour : s.lobe_colour.pixels()) colour = {1, random.real(), random.real()};
+    for (Rgb& colour : s.specular_colour.pixels()) colour = {1, random.real(), random.real()};
     write_painting(dir / "a.exr", s);
     const Surface back = read_painting(dir / "a.exr");
     expect_same_maps(s, back);
-    EXPECT_TRUE(images_identical(s.lobe_colour, back.lobe_colour));
+    EXPECT_TRUE(images_identical(s.specular_colour, back.specular_colour));
     EXPECT_NE(hash_of(s), white);
-    s.lobe_colour(5, 7) = {1, 0.5f, 1.5f};
+    s.specular_colour(5, 7) = {1, 0.5f, 1.5f};
     s.confidence(5, 7) = 1;
     write_as_another_program(dir / "a.exr", s);
     EXPECT_THAT(error_of([&] { read_painting(dir / "a.exr"); }),
@@ -128,7 +128,7 @@ TEST(PaintingFile, KeepsTheAxesOfLobes) {
     EXPECT_EQ(back.lobe_axes.pixels().size(), s.lobe_axes.pixels().size());
     EXPECT_TRUE(std::equal(back.lobe_axes.pixels().begin(), back.lobe_axes.pixels().end(),
                            s.lobe_axes.pixels().begin()));
-    EXPECT_TRUE(back.lobe_colour.empty());
+    EXPECT_TRUE(back.specular_colour.empty());
     EXPECT_NE(hash_of(s), isotropic);
     s.lobe_axes(5, 7).roughness_v = 0;
     s.confidence(5, 7) = 1;
@@ -143,7 +143,7 @@ TEST(PaintingFile, KeepsTheAxesOfLobes) {
 TEST(PaintingFile, RefusesALawThatIsNone) {
     const TestDir dir;
     Surface s(2, 2);
-    s.law.haze = 1.5;
+    s.reflectance_model.haze = 1.5;
     write_painting(dir / "a.exr", s);
     EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
               (dir / "a.exr").string() + ": haze = 1.5 is not from 0 to 1");

@@ -1,4 +1,4 @@
-// anisotropy_test.cpp: lobes that are drawn out: no light is made, both ways are alike, stretches are
+// anisotropy_test.cpp: lobes that are anisotropic: no light is made, both ways are alike, stretches are
 // told in one way only, and stretch 0 is the isotropic lobe.
 #include "surface/reflectance/anisotropy.h"
 
@@ -20,7 +20,7 @@ struct Brushed {
 
     float lobe(const Vec3& n, const Vec3& l, const Vec3& v, float haze = 0,
                WardModel model = WardModel::bounded) const {
-        return drawn_out_lobe(model, ward_angles(n, l, v), n, l + v, alpha, axes_of(stretch, alpha), haze);
+        return anisotropic_lobe(model, ward_angles(n, l, v), n, l + v, alpha, axes_of(stretch, alpha), haze);
     }
 };
 

@@ -56,9 +56,9 @@ TEST(RoughDiffuse, ReflectsNoMoreThanItReceivesAndIsNeverNegative) {
         }
 }
 
-TEST(RoughDiffuse, IsBrighterTowardsTheLampThanLambertAndDarkerAwayFromIt) {
+TEST(RoughDiffuse, IsBrighterTowardsTheLightThanLambertAndDarkerAwayFromIt) {
     const double up = std::cos(1.2);
-    const auto relative = [&](double phi) {  // lamp and camera both 69 degrees from the normal
+    const auto relative = [&](double phi) {  // light and camera both 69 degrees from the normal
         const double l_v = glm::dot(direction(1.2, 0), direction(1.2, phi));
         return rough_diffuse(up, up, l_v, 0.5).value / rough_diffuse(up, 1.0, up, 0.5).value;
     };

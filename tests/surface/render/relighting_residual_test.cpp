@@ -24,9 +24,9 @@ Surface example_surface() {
     return s;
 }
 
-FaithfulResidual example_residual(const Surface& dry) {
-    FaithfulResidual r;
-    r.kernel = FaithfulResidual::Kernel::matern;
+RelightingResidual example_residual(const Surface& dry) {
+    RelightingResidual r;
+    r.kernel = RelightingResidual::Kernel::matern;
     r.reach = 0.4;
     r.directions = {Vec3(0, 0, 1), Vec3(0.6f, 0, 0.8f), Vec3(0, -0.6f, 0.8f)};
     r.brightness_weights = {{1, 0.25, -0.5}, {0.1, 0.2, 0.3}};
@@ -41,7 +41,7 @@ FaithfulResidual example_residual(const Surface& dry) {
     return r;
 }
 
-Image<Rgb> added(const FaithfulResidual& r, const Surface& dry, const std::vector<Light>& lights,
+Image<Rgb> added(const RelightingResidual& r, const Surface& dry, const std::vector<Light>& lights,
                  const Image<float>& bare = {}) {
     Image<Rgb> picture(kWidth, kHeight, Rgb(2));
     add_residual(r, dry, lights, bare, picture);
@@ -59,7 +59,7 @@ TEST(Faithful, ColourFramesAreOrthonormalAlongTheColour) {
 
 TEST(Faithful, AddsWhatTheFormulaSays) {
     const Surface dry = example_surface();
-    const FaithfulResidual r = example_residual(dry);
+    const RelightingResidual r = example_residual(dry);
     Light light = distant_light({0.3f, 0.1f, 0.9f});
     light.gain = Rgb(0.5f, 1, 2);
     const Image<Rgb> picture = added(r, dry, {light});
@@ -80,7 +80,7 @@ TEST(Faithful, AddsWhatTheFormulaSays) {
 
 TEST(Faithful, LightsAddUpPaintHidesItAndItFadesAwayFromThePhotographs) {
     const Surface dry = example_surface();
-    const FaithfulResidual r = example_residual(dry);
+    const RelightingResidual r = example_residual(dry);
     const Light a = distant_light({0.3f, 0.1f, 0.9f}), b = distant_light({-0.2f, -0.4f, 0.9f});
     const Image<Rgb> one = added(r, dry, {a}), other = added(r, dry, {b}), both = added(r, dry, {a, b});
     for (std::size_t i = 0; i < both.size(); ++i)
@@ -88,11 +88,11 @@ TEST(Faithful, LightsAddUpPaintHidesItAndItFadesAwayFromThePhotographs) {
     EXPECT_FALSE(images_near(one, Image<Rgb>(kWidth, kHeight, Rgb(2)), 1e-3));
     EXPECT_TRUE(images_identical(added(r, dry, {a}, Image<float>(kWidth, kHeight, 0.0f)),
                                  Image<Rgb>(kWidth, kHeight, Rgb(2))));
-    FaithfulResidual narrow = r;
+    RelightingResidual narrow = r;
     narrow.reach = 0.05;
     EXPECT_TRUE(images_near(added(narrow, dry, {distant_light({-1, 1, 0.2f})}),
                             Image<Rgb>(kWidth, kHeight, Rgb(2)), 1e-6));
-    FaithfulResidual dark = r;
+    RelightingResidual dark = r;
     for (float& v : dark.brightness[0].pixels()) v = -1000;
     const Image<Rgb> clamped = added(dark, dry, {distant_light({0, 0, 1})});
     for (const Rgb& value : clamped.pixels()) EXPECT_GE(std::min({value.r, value.g, value.b}), 0);
@@ -101,14 +101,14 @@ TEST(Faithful, LightsAddUpPaintHidesItAndItFadesAwayFromThePhotographs) {
 TEST(Faithful, PartsComeBackAndBelongToOneDryLayer) {
     const TestDir dir;
     const Surface dry = example_surface();
-    const FaithfulResidual r = example_residual(dry);
+    const RelightingResidual r = example_residual(dry);
     const auto write = [&](const std::string& name, const Surface& s, const PartToWrite& part) {
         AtomicFile file(dir / name);
         const std::array parts{part};
         write_painting(file, s, parts);
     };
     write("a.exr", dry, part_of(r));
-    const FaithfulResidual back = read_faithful(dir / "a.exr", read_painting(dir / "a.exr"));
+    const RelightingResidual back = read_residual(dir / "a.exr", read_painting(dir / "a.exr"));
     EXPECT_EQ(back.kernel, r.kernel);
     EXPECT_EQ(back.directions, r.directions);
     EXPECT_EQ(back.brightness_weights, r.brightness_weights);
@@ -122,26 +122,26 @@ TEST(Faithful, PartsComeBackAndBelongToOneDryLayer) {
     EXPECT_TRUE(painting_parts(dir / "a.exr").front().half);
 
     write_painting(dir / "none.exr", dry);
-    EXPECT_TRUE(read_faithful(dir / "none.exr", dry).empty());
+    EXPECT_TRUE(read_residual(dir / "none.exr", dry).empty());
     Surface other = dry;
     other.diffuse(1, 1) = Rgb(0.9f);
-    EXPECT_THAT(error_of([&] { read_faithful(dir / "a.exr", other); }),
+    EXPECT_THAT(error_of([&] { read_residual(dir / "a.exr", other); }),
                 HasSubstr("belongs to another dry layer"));
     PartToWrite part = part_of(r);
     part.info.attributes["model"] = "{\"kernel\": \"cubic\"}";
     write("b.exr", dry, part);
     EXPECT_THAT(
-        error_of([&] { read_faithful(dir / "b.exr", dry); }),
-        testing::AllOf(HasSubstr("b.exr: part 'faithful'"), HasSubstr("cubic"), HasSubstr("fit again")));
-    FaithfulResidual broken = r;
+        error_of([&] { read_residual(dir / "b.exr", dry); }),
+        testing::AllOf(HasSubstr("b.exr: part 'residual'"), HasSubstr("cubic"), HasSubstr("fit again")));
+    RelightingResidual broken = r;
     broken.brightness[1](2, 3) = std::numeric_limits<float>::infinity();
     write("c.exr", dry, part_of(broken));
-    EXPECT_THAT(error_of([&] { read_faithful(dir / "c.exr", dry); }),
+    EXPECT_THAT(error_of([&] { read_residual(dir / "c.exr", dry); }),
                 HasSubstr("brightness.001' holds inf at pixel (2, 3)"));
     broken = r;
     broken.brightness.pop_back();
     write("d.exr", dry, part_of(broken));
-    EXPECT_THAT(error_of([&] { read_faithful(dir / "d.exr", dry); }), HasSubstr("channels"));
+    EXPECT_THAT(error_of([&] { read_residual(dir / "d.exr", dry); }), HasSubstr("channels"));
 }
 
 }  // namespace

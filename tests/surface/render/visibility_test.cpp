@@ -121,7 +121,7 @@ TEST(Visibility, IsSharpenedByASmallerLight) {
 }
 
 TEST(Visibility, OfANearLightDependsOnThePlace) {
-    // A lamp 20 mm above the centre, two posts: one far to the left, one far to the right; shadows point
+    // A light 20 mm above the centre, two posts: one far to the left, one far to the right; shadows point
     // outwards.
     Surface s(61, 3);
     s.height_mm(10, 1) = s.height_mm(50, 1) = 5;
@@ -223,7 +223,7 @@ TEST(CastShadows, AreThoseOfAMarchOverEveryPixel) {
     }
 }
 
-// Large lamps, points, lights below the horizon and near the zenith; pits and cliffs many pixels deep.
+// Large lights, points, lights below the horizon and near the zenith; pits and cliffs many pixels deep.
 TEST(CastShadows, AreThoseOfAMarchWhateverTheLight) {
     Random random(9);
     Image<float> z = hills(60, 50);
@@ -257,7 +257,7 @@ TEST(CastShadows, AreThoseOfAMarchWhateverTheLight) {
     }
 }
 
-// A lamp for all pixels, a near one, and lights from everywhere; of some of the pixels, up to the border and
+// A light for all pixels, a near one, and lights from everywhere; of some of the pixels, up to the border and
 // beyond it.
 TEST(CastShadows, AreTheSameOfPixelsSideBySide) {
     Random random(10);
@@ -270,11 +270,11 @@ TEST(CastShadows, AreTheSameOfPixelsSideBySide) {
                 const int x0 = random.below(width), y = random.below(height);
                 const auto which = static_cast<std::uint32_t>(random.below(1 << kMarchLanes));
                 std::array<glm::dvec3, kMarchLanes> l;
-                const glm::dvec3 lamp(random.uniform(-90, 90), random.uniform(-90, 90),
-                                      random.uniform(0, 60));
+                const glm::dvec3 light(random.uniform(-90, 90), random.uniform(-90, 90),
+                                       random.uniform(0, 60));
                 for (int lane = 0; lane < kMarchLanes; ++lane) {
                     const glm::dvec3 from = i % 3 == 0 ? glm::dvec3(0) : glm::dvec3(0.4 * lane, 0, 0);
-                    l[static_cast<std::size_t>(lane)] = glm::normalize(lamp - from);
+                    l[static_cast<std::size_t>(lane)] = glm::normalize(light - from);
                     if (i % 3 == 2)
                         l[static_cast<std::size_t>(lane)] = glm::normalize(
                             glm::dvec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0, 1)));

@@ -38,7 +38,7 @@ TEST(Gamepad, SticksRestNearTheMiddleAndReachTheirRim) {
     }
 }
 
-TEST(Gamepad, TiltsMovesTheLampAndZooms) {
+TEST(Gamepad, TiltsMovesTheLightAndZooms) {
     WindowState state = some_window();
     const WindowState start = state;
     GamepadMoment pad;
@@ -52,8 +52,8 @@ TEST(Gamepad, TiltsMovesTheLampAndZooms) {
 
     pad = {.right = {1, 0}};
     for (int i = 0; i < 100; ++i) apply_gamepad(pad, pad, 0.1, {800, 600}, state);
-    EXPECT_NEAR(state.lamps[0].angles.azimuth_deg, 0, 40) << "on the right";
-    EXPECT_NEAR(state.lamps[0].angles.elevation_deg, 2, 1) << "at the rim";
+    EXPECT_NEAR(state.lights[0].angles.azimuth_deg, 0, 40) << "on the right";
+    EXPECT_NEAR(state.lights[0].angles.elevation_deg, 2, 1) << "at the rim";
 
     pad = {.closer = 1};
     for (int i = 0; i < 10; ++i) apply_gamepad(pad, pad, 0.1, {800, 600}, state);
@@ -135,18 +135,18 @@ TEST(Head, MovesTheEyeAndNotThePicture) {
     EXPECT_NEAR(turned.x, state.viewer.y, 1e-5);
 }
 
-// A room with a window or lamp at a place of the picture [widths from its middle].
-Image<float> room(const glm::dvec2& at, float lamp) {
+// A room with a window or light at a place of the picture [widths from its middle].
+Image<float> room(const glm::dvec2& at, float light) {
     Image<float> picture(64, 48);
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 64; ++x) {
             const glm::dvec2 from = (glm::dvec2(x, y) - glm::dvec2(31.5, 23.5)) / 64.0 - at;
-            picture(x, y) = 0.1f + lamp * static_cast<float>(glm::length(from) < 0.07);
+            picture(x, y) = 0.1f + light * static_cast<float>(glm::length(from) < 0.07);
         }
     return picture;
 }
 
-TEST(RoomLight, IsWhereTheLampIs) {
+TEST(RoomLight, IsWhereTheLightIs) {
     for (const glm::dvec2& at : {glm::dvec2(0, 0), glm::dvec2(0.25, -0.15), glm::dvec2(-0.3, 0.1)}) {
         const auto found = brightest_direction(room(at, 0.9f));
         ASSERT_TRUE(found);
@@ -264,7 +264,7 @@ fs::path video_of(const fs::path& file, int pictures, const std::function<Image<
     return file;
 }
 
-TEST(Devices, TheLampGoesWhereTheRoomIsBrightUntilTheCameraIsGone) {
+TEST(Devices, TheLightGoesWhereTheRoomIsBrightUntilTheCameraIsGone) {
     const TestDir folder;
     const fs::path video = video_of(folder / "room.mp4", 40, [](int) {
         Image<Rgb> picture(64, 48);
@@ -281,9 +281,9 @@ TEST(Devices, TheLampGoesWhereTheRoomIsBrightUntilTheCameraIsGone) {
     state.follow.light = true;
     const Angles wanted = angles_of(direction_in_room({-0.3, -0.1}));
     EXPECT_TRUE(steps_until(devices, [&] {
-        const Angles& lamp = state.lamps[0].angles;
-        return std::abs(lamp.azimuth_deg - wanted.azimuth_deg) < 4 &&
-               std::abs(lamp.elevation_deg - wanted.elevation_deg) < 3;
+        const Angles& light = state.lights[0].angles;
+        return std::abs(light.azimuth_deg - wanted.azimuth_deg) < 4 &&
+               std::abs(light.elevation_deg - wanted.elevation_deg) < 3;
     }));
     EXPECT_TRUE(steps_until(devices, [&] { return !state.follow.light; })) << "the video ends";
     EXPECT_THAT(said, testing::HasSubstr("gives no more pictures"));

@@ -15,7 +15,7 @@ using Source = InputEvent::Source;
 
 constexpr Extent kScreen{600, 450};
 
-class HandTest : public PainterTest {
+class InputControllerTest : public PainterTest {
 protected:
     void SetUp() override {
         write_painting(file_, *flat_surface(200, 150));
@@ -50,11 +50,11 @@ protected:
     }
 
     WindowState state_;
-    std::optional<Hand> hand_;
+    std::optional<InputController> hand_;
     double now_s_ = 10;
 };
 
-TEST_F(HandTest, AnotherDevicesEventsDoNotJoinAStroke) {
+TEST_F(InputControllerTest, AnotherDevicesEventsDoNotJoinAStroke) {
     const PenSample pen{.pressure = 0.4};
     take(Kind::move, 300, 225, Source::pen, pen);
     take(Kind::press, 300, 225, Source::pen, pen);
@@ -81,7 +81,7 @@ TEST_F(HandTest, AnotherDevicesEventsDoNotJoinAStroke) {
     take(Kind::release, 300, 225, Source::mouse);
 }
 
-TEST_F(HandTest, TheBrushIsHeldByTheHandHoweverThePaintingIsTurned) {
+TEST_F(InputControllerTest, TheBrushIsHeldByTheHandHoweverThePaintingIsTurned) {
     const PenSample pen{.pressure = 0.5, .tilt_x = 0.5, .tilt_y = 0, .rotation_deg = 30};
     for (const double turn_deg : {0.0, 90.0}) {
         state_.view = fitted(state_.painting, kScreen, turn_deg);
@@ -109,7 +109,7 @@ TEST_F(HandTest, TheBrushIsHeldByTheHandHoweverThePaintingIsTurned) {
     EXPECT_NEAR(points().back().rotation_deg, -90, 1e-9) << "the mouse, too";
 }
 
-TEST_F(HandTest, TheWheelDoesNotMoveWhatIsPaintedOn) {
+TEST_F(InputControllerTest, TheWheelDoesNotMoveWhatIsPaintedOn) {
     take(Kind::press, 300, 225, Source::pen, PenSample{.pressure = 0.5});
     const double zoom = state_.view.zoom;
     take(Kind::wheel, 0, 1, Source::mouse);
@@ -119,7 +119,7 @@ TEST_F(HandTest, TheWheelDoesNotMoveWhatIsPaintedOn) {
     EXPECT_GT(state_.view.zoom, zoom);
 }
 
-TEST_F(HandTest, CtrlClickPicksAndPaintsNothing) {
+TEST_F(InputControllerTest, CtrlClickPicksAndPaintsNothing) {
     for (const int modifier : {GLFW_MOD_CONTROL, GLFW_MOD_ALT}) {
         take(Kind::press, 300, 225, Source::mouse, {}, modifier);
         take(Kind::release, 300, 225, Source::mouse, {}, modifier);
@@ -129,18 +129,18 @@ TEST_F(HandTest, CtrlClickPicksAndPaintsNothing) {
     EXPECT_TRUE(points().empty());
 }
 
-TEST_F(HandTest, NothingIsLitWhilePhotographsAreHeldAgainstIt) {
-    const Angles before = state_.lamps[0].angles;
+TEST_F(InputControllerTest, NothingIsLitWhilePhotographsAreHeldAgainstIt) {
+    const Angles before = state_.lights[0].angles;
     const auto key = [&](int code) {
         hand_->take({.kind = Kind::key, .time_s = now_s_, .code = code}, kScreen, 0, false, false);
     };
     state_.comparing.loaded = state_.comparing.on = true;
     key(GLFW_KEY_LEFT);
-    EXPECT_EQ(state_.lamps[0].angles.azimuth_deg, before.azimuth_deg);
+    EXPECT_EQ(state_.lights[0].angles.azimuth_deg, before.azimuth_deg);
     EXPECT_THAT(state_.message, testing::HasSubstr("lit as the photograph"));
     state_.comparing.on = false;
     key(GLFW_KEY_LEFT);
-    EXPECT_NE(state_.lamps[0].angles.azimuth_deg, before.azimuth_deg);
+    EXPECT_NE(state_.lights[0].angles.azimuth_deg, before.azimuth_deg);
 }
 
 }  // namespace

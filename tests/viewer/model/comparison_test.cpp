@@ -37,11 +37,11 @@ public:
         };
         return held;
     }
-    void write_report(const std::filesystem::path&, const std::vector<int>& left_out,
+    void write_report(const std::filesystem::path&, const std::vector<int>& rejected,
                       const Progress& progress) const override {
         for (int i = 0; i < 1000; ++i) {
             report(progress, "report", i / 1000.0);
-            if (!left_out.empty()) fail("left out {}", left_out.front());
+            if (!rejected.empty()) fail("left out {}", rejected.front());
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
     }
@@ -108,7 +108,7 @@ TEST_F(ComparisonTest, ABrokenPhotographIsNamedAndLeftOut) {
     const auto news = once([](const auto& n) { return n.broken.contains(2); });
     EXPECT_EQ(news.broken.at(2), "2.png: is damaged");
     idle();
-    EXPECT_THAT(messages_, testing::Contains("left out: 2.png: is damaged"));
+    EXPECT_THAT(messages_, testing::Contains("rejected: 2.png: is damaged"));
     comparison_->write_report("out");
     once([](const auto& n) { return !n.reporting; });
     EXPECT_THAT(messages_, testing::Contains("left out 2")) << "the report knows";

@@ -41,9 +41,9 @@ namespace fs = std::filesystem;
 
 TEST(Sitting, SavedJournalsAreNotRecoveredTwice) {
     TestDir folder;
-    const SittingFiles files = sitting_files(folder / "a.exr");
+    const RecoveryFiles files = recovery_files(folder / "a.exr");
     EXPECT_FALSE(left_over(files));
-    SittingRecord record(files);
+    RecoveryRecord record(files);
     record.append(UndoEvent{});
     EXPECT_TRUE(left_over(files)) << "a painting that is not there";
     write_bytes(files.painting, "saved later");
@@ -69,20 +69,20 @@ TEST(Sitting, FilesAreThoseOfThePaintingsFile) {
     fs::create_directory(folder / "real");
     write_bytes(folder / "real" / "b.exr", "a painting");
     fs::create_symlink("real/b.exr", folder / "a.exr");
-    EXPECT_EQ(sitting_files(folder / "a.exr").unsaved, folder / "real" / "b.unsaved.jsonl");
-    EXPECT_EQ(sitting_files(folder / "a.exr").painting, folder / "a.exr");
-    EXPECT_NE(sitting_files(folder / "c.EXR").record, sitting_files(folder / "c.exr").record);
-    EXPECT_EQ(sitting_files(folder / "c.2.exr").record, folder / "c.2.strokes.jsonl");
+    EXPECT_EQ(recovery_files(folder / "a.exr").unsaved, folder / "real" / "b.unsaved.jsonl");
+    EXPECT_EQ(recovery_files(folder / "a.exr").painting, folder / "a.exr");
+    EXPECT_NE(recovery_files(folder / "c.EXR").record, recovery_files(folder / "c.exr").record);
+    EXPECT_EQ(recovery_files(folder / "c.2.exr").record, folder / "c.2.strokes.jsonl");
 }
 
 // Of an earlier version, which did not say what a journal is of: nobody knows whether it was saved.
 TEST(Sitting, AnOlderJournalIsNeverTheRecordUnasked) {
     TestDir folder;
-    const SittingFiles files = sitting_files(folder / "a.exr");
+    const RecoveryFiles files = recovery_files(folder / "a.exr");
     write_bytes(files.unsaved, kHeader + kUndo);
     write_bytes(files.painting, "put here later");
     fs::last_write_time(files.unsaved, fs::last_write_time(files.painting) - std::chrono::seconds(1));
-    SittingRecord record(files);
+    RecoveryRecord record(files);
     record.painting_is("a");
     record.append(RedoEvent{});
     EXPECT_THAT(record.take_note(), testing::HasSubstr("a.unread.jsonl"));
@@ -94,7 +94,7 @@ TEST(Sitting, AnOlderJournalIsNeverTheRecordUnasked) {
 
 TEST(Sitting, AJournalOfAnotherPaintingIsNeitherRecordedNorGoneOnWith) {
     TestDir folder;
-    const SittingFiles files = sitting_files(folder / "a.exr");
+    const RecoveryFiles files = recovery_files(folder / "a.exr");
     write_bytes(files.painting, "another");
     write_bytes(files.unsaved, header_of("a") + kUndo);
     fs::last_write_time(files.painting, fs::last_write_time(files.unsaved) + std::chrono::hours(1));
@@ -102,7 +102,7 @@ TEST(Sitting, AJournalOfAnotherPaintingIsNeitherRecordedNorGoneOnWith) {
     ASSERT_TRUE(journal) << "times say nothing: it was not saved, or it would be gone";
     EXPECT_TRUE(is_of(*journal, "a"));
     EXPECT_FALSE(is_of(*journal, "b"));
-    SittingRecord record(files);
+    RecoveryRecord record(files);
     record.painting_is("b");
     record.append(RedoEvent{});
     EXPECT_EQ(bytes_of(folder / "a.other.jsonl"), header_of("a") + kUndo);
@@ -113,7 +113,7 @@ TEST(Sitting, AJournalOfAnotherPaintingIsNeitherRecordedNorGoneOnWith) {
     // Chosen all the same, it is written anew, as of this one.
     fs::remove(files.unsaved);
     fs::rename(folder / "a.other.jsonl", files.unsaved);
-    SittingRecord chosen(files);
+    RecoveryRecord chosen(files);
     chosen.painting_is("b");
     chosen.take_over(journal->entries, false);
     EXPECT_EQ(bytes_of(files.unsaved), header_of("b") + kUndo);
@@ -122,11 +122,11 @@ TEST(Sitting, AJournalOfAnotherPaintingIsNeitherRecordedNorGoneOnWith) {
 
 TEST(Sitting, ARecordOfAnotherPaintingIsKeptAndNotGoneOnWith) {
     TestDir folder;
-    const SittingFiles files = sitting_files(folder / "a.exr");
+    const RecoveryFiles files = recovery_files(folder / "a.exr");
     for (const std::string& theirs :
          {header_of("ground", "a") + kUndo, std::string("no journal\n"), kHeader + kUndo}) {
         write_bytes(files.record, theirs);
-        SittingRecord record(files);
+        RecoveryRecord record(files);
         record.painting_is("b");
         record.append(RedoEvent{});
         record.put_away();
@@ -147,9 +147,9 @@ TEST(Sitting, ARecordOfAnotherPaintingIsKeptAndNotGoneOnWith) {
 // As of a painting that was fitted anew, in the place of one that was painted on.
 TEST(Sitting, AnOldRecordIsNotOfAPaintingThatWasNeverPaintedOn) {
     TestDir folder;
-    const SittingFiles files = sitting_files(folder / "a.exr");
+    const RecoveryFiles files = recovery_files(folder / "a.exr");
     write_bytes(files.record, kHeader + kUndo);
-    SittingRecord record(files);
+    RecoveryRecord record(files);
     record.painting_is("b", true);
     record.append(RedoEvent{});
     record.put_away();
@@ -165,7 +165,7 @@ TEST(Sitting, DISABLED_PaintsUntilKilled) {
     settle_outputs_at(file);
     Painter painter({read_canvas(file), artist_acrylics(), file, false}, [] {});
     painter.start(std::make_shared<TexelTiles>(painter.surface(), painter.range()));
-    if (auto left = left_over(sitting_files(file))) painter.recover(std::move(*left));
+    if (auto left = left_over(recovery_files(file))) painter.recover(std::move(*left));
     const std::vector<std::string> paints = {"Titanium White", "Ultramarine Blue", "Pyrrole Red"};
     for (int i = 0;; ++i) {
         if (i % 7 == 0) {
@@ -193,7 +193,7 @@ TEST(Sitting, DISABLED_PaintsUntilKilled) {
 }
 
 // Whether the painting with what is left over is what the journals say, and their strokes.
-bool recovered_as_recorded(const SittingFiles& files, const fs::path& ground, int& strokes) {
+bool recovered_as_recorded(const RecoveryFiles& files, const fs::path& ground, int& strokes) {
     Session again(Canvas(std::make_shared<Surface>(read_painting(ground))), artist_acrylics());
     Session recovered(read_canvas(files.painting), artist_acrylics());
     read_tools(files.painting, recovered);
@@ -230,7 +230,7 @@ TEST(Sitting, KilledBetweenTheNamesOfASaveItLosesNothing) {
     for (long name = 1; name <= 9; ++name) {
         const TestDir folder;
         const fs::path file = folder / "a.exr", ground = folder / "ground.exr";
-        const SittingFiles files = sitting_files(file);
+        const RecoveryFiles files = recovery_files(file);
         write_painting(file, *flat_surface(60, 50));
         write_painting(ground, *flat_surface(60, 50));
         int ends[2], told = 0, strokes = 0, status = 0;
@@ -259,7 +259,7 @@ TEST(Sitting, KilledBetweenTheNamesOfASaveItLosesNothing) {
 TEST(Sitting, KilledAtRandomMomentsItLosesNothing) {
     const TestDir folder;
     const fs::path file = folder / "a.exr", ground = folder / "ground.exr";
-    const SittingFiles files = sitting_files(file);
+    const RecoveryFiles files = recovery_files(file);
     write_painting(file, *flat_surface(120, 100));
     write_painting(ground, *flat_surface(120, 100));
     const char* wanted = std::getenv("TP_KILLS");

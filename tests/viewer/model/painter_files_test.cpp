@@ -55,7 +55,7 @@ TEST_F(PainterTest, InAHurryItRecordsAndPaintsNothing) {
     EXPECT_THROW(changed.get(), Cancelled);
     painter_.reset();
     EXPECT_TRUE(read_canvas(file_).wet().empty());
-    auto journal = left_over(sitting_files(file_));
+    auto journal = left_over(recovery_files(file_));
     ASSERT_TRUE(journal);
     EXPECT_EQ(journal->entries.size(), 1 + 3 * 23u) << "which paints, and three strokes";
     open();
@@ -81,7 +81,7 @@ TEST_F(PainterTest, RecoversBitForBit) {
     stroke(6);
     settle();
     painter_.reset();  // without saving
-    auto journal = left_over(sitting_files(file_));
+    auto journal = left_over(recovery_files(file_));
     ASSERT_TRUE(journal);
     open();
     painter_->recover(std::move(*journal));
@@ -93,7 +93,7 @@ TEST_F(PainterTest, RecoversBitForBit) {
     Session once(Canvas(flat_surface(200, 150)), artist_acrylics());
     replay(once, read_journal(folder_ / "a.strokes.jsonl"));
     EXPECT_TRUE(identical(read_canvas(file_).wet(), once.canvas().wet()));
-    EXPECT_FALSE(left_over(sitting_files(file_)));
+    EXPECT_FALSE(left_over(recovery_files(file_)));
 }
 
 TEST_F(PainterTest, ANewCanvasIsWrittenBeforeItsFirstStroke) {
@@ -103,7 +103,7 @@ TEST_F(PainterTest, ANewCanvasIsWrittenBeforeItsFirstStroke) {
     stroke();
     settle();
     EXPECT_TRUE(read_canvas(file_).wet().empty());
-    EXPECT_TRUE(left_over(sitting_files(file_)));
+    EXPECT_TRUE(left_over(recovery_files(file_)));
 }
 
 TEST_F(PainterTest, AFullDiskLosesNothing) {

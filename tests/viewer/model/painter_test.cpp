@@ -75,8 +75,8 @@ TEST_F(PainterTest, UndoBringsTheOldTexelsBack) {
             ASSERT_NEAR(unpack(shown_->at(x, y), painter_->range()).diffuse.r, 0.5f, 0.01f);
 }
 
-// Cadmium red over a blue ground, by an incandescent lamp: as appearance() has it, also what is painted then,
-// and daylight brings the texels of before back. Measures and files stay in daylight.
+// Cadmium red over a blue ground, by an incandescent light: as appearance() has it, also what is painted
+// then, and daylight brings the texels of before back. Measures and files stay in daylight.
 TEST_F(PainterTest, ShowsTheColoursOfAnotherLight) {
     const auto ground = flat_surface(200, 600);
     ground->diffuse = Image<Rgb>(200, 600, Rgb(0.1f, 0.15f, 0.5f));
@@ -201,7 +201,7 @@ TEST_F(PainterTest, WhatIsOnTheBrushIsThereWhenItIsOpenedAgain) {
     painter_.reset();
     open();
     EXPECT_EQ(settle().brush_goes_on, true) << "as in the file";
-    painter_->recover(std::move(*left_over(sitting_files(file_))));
+    painter_->recover(std::move(*left_over(recovery_files(file_))));
     EXPECT_EQ(settle().brush_goes_on, true);
     painter_->send(WashEvent{});
     again = settle();

@@ -163,7 +163,7 @@ TEST_F(RandomSitting, EveryJournalReplaysToWhatWasSaved) {
             act();
             if (random_.below(60) == 0) {
                 settle();
-                const fs::path unsaved = sitting_files(file).unsaved;
+                const fs::path unsaved = recovery_files(file).unsaved;
                 full.reset();
                 if (random_.below(2))
                     full.emplace((fs::exists(unsaved) ? fs::file_size(unsaved) : 0) +
@@ -184,11 +184,11 @@ TEST_F(RandomSitting, EveryJournalReplaysToWhatWasSaved) {
         painter_->save();
         settle();
         ASSERT_TRUE(recorded_as_saved(file));
-        ASSERT_FALSE(left_over(sitting_files(file)));
+        ASSERT_FALSE(left_over(recovery_files(file)));
 
         // What was killed goes on.
         file = killed / "a.exr";
-        auto left = left_over(sitting_files(file));
+        auto left = left_over(recovery_files(file));
         open(file);
         if (left) {
             ++recovered;
@@ -228,12 +228,12 @@ TEST_F(RandomSitting, EveryJournalOfATreatmentReplaysToItsLayer) {
         const Session painted(canvas, artist_acrylics());
         if (const auto same = same_paint(again, painted); !same) wrong = same.message();
     };
-    painter_->keep_by([&](Canvas& canvas, const Painter::ToKeep& sitting) -> Painter::Kept {
-        if (sitting.journal.empty()) return {"nothing to keep", false};
+    painter_->keep_by([&](Canvas& canvas, const Painter::ToKeep& recovery) -> Painter::Kept {
+        if (recovery.journal.empty()) return {"nothing to keep", false};
         const fs::path copy = folder_ / fmt::format("retouch_{}.jsonl", ++kept);
-        write_bytes(copy, sitting.journal);
-        fs::remove(sitting.unsaved);
-        for (const auto& [name, png] : sitting.masks)
+        write_bytes(copy, recovery.journal);
+        fs::remove(recovery.unsaved);
+        for (const auto& [name, png] : recovery.masks)
             EXPECT_EQ(bytes_of(folder_ / confining_mask_file(name)), png);
         try {
             repeat(copy, canvas);
@@ -243,7 +243,7 @@ TEST_F(RandomSitting, EveryJournalOfATreatmentReplaysToItsLayer) {
         if (!canvas.wet().empty()) dry(canvas, fmt::format("retouch {}", kept));
         {
             AtomicFile out(file);
-            write_canvas(out, canvas, {}, sitting.tools);
+            write_canvas(out, canvas, {}, recovery.tools);
         }
         fs::copy_file(file, before, fs::copy_options::overwrite_existing);
         return {"kept"};

@@ -62,8 +62,8 @@ TEST_F(Fonts, AreAskedForEveryNameThatIsShown) {
     state.recent = {"b/c.exr"};
     state.said = {"d"};
     state.doubts = {"e"};
-    state.treating.log = {{1, "", "f", "g", ""}};
-    state.treating.layers = {{"h", LayerRole::fill, {}}};
+    state.treatment_state.log = {{1, "", "f", "g", ""}};
+    state.treatment_state.layers = {{"h", LayerRole::fill, {}}};
     state.comparing.folder = "i";
     state.painter.layers = {"j"};
     state.new_canvas.name = "k";

@@ -56,7 +56,7 @@ protected:
         io.DisplaySize = {1600, 3000};
         const PanelFonts fonts(1);  // texts are as wide as in the window
         state_.painting = {400, 300};
-        state_.scale_known = state_.treating.scale_known = true;
+        state_.scale_known = state_.treatment_state.scale_known = true;
         state_.brushes = brush_presets();
         state_.use_brush("flat");
         state_.use_palette(artist_acrylics());
@@ -72,7 +72,7 @@ protected:
             names = {};
             ImGui::NewFrame();
             panels::column(state_, 2900);
-            if (state_.treating.on) panels::treatment_column(state_, 2900);
+            if (state_.treatment_state.on) panels::treatment_column(state_, 2900);
             panels::measurements(state_);
             panels::board(state_);
             panels::new_canvas(state_);
@@ -104,12 +104,12 @@ TEST_F(PanelNames, OfAPaintingDiffer) {
     state_.job = state_.film = Job::State();
     state_.left_over_strokes = 3;
     state_.closing = true;
-    state_.lamps.resize(4);
+    state_.lights.resize(4);
     for (const Tool tool : {Tool::tilt, Tool::light, Tool::paint, Tool::ruler}) {
         state_.tool = tool;
         draw();
     }
-    for (const LookMode mode : {LookMode::specular_enhancement, LookMode::height, LookMode::curvature}) {
+    for (const ViewMode mode : {ViewMode::specular_enhancement, ViewMode::height, ViewMode::curvature}) {
         state_.mode = mode;
         draw();
     }
@@ -120,7 +120,7 @@ TEST_F(PanelNames, OfAPaintingDiffer) {
 }
 
 TEST_F(PanelNames, OfATreatmentDiffer) {
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.on = t.usable = true;
     t.edits = 2;
     t.job = Job::State();
@@ -204,9 +204,9 @@ TEST_F(PanelPlaces, StayWhenSomethingHappensToThePainting) {
     stays_when("the window says something",
                [&] { s.said.assign(5, "a message of some length, which is said"); });
     stays_when("the fit had doubts", [&] { s.doubts.assign(3, "a doubt"); });
-    stays_when("a lamp is near", [&] { s.lamps[0].near = true; });
+    stays_when("a light is near", [&] { s.lights[0].near = true; });
     stays_when("there are no shadows", [&] { s.shadows = false; });
-    stays_when("there are more lamps", [&] { s.lamps.resize(4); });
+    stays_when("there are more lights", [&] { s.lights.resize(4); });
     stays_when("a canvas cannot be made",
                [&] { s.new_canvas.complaint = "it is there already: choose another name"; });
     stays_when("its preview is there", [&] {
@@ -254,10 +254,10 @@ TEST_F(PanelPlaces, StayUnderThePointerThatTakesTheBrush) {
 }
 
 TEST_F(PanelPlaces, StayWhenATreatmentGoesOn) {
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     for (const char* tab : {"Damage", "Steps", "Colour", "Record"}) {
         SCOPED_TRACE(tab);
-        t = Treating();
+        t = TreatmentState();
         state_.painter = {};
         t.on = t.usable = true;
         for (std::size_t i = 0; i < kDamageClasses.size(); ++i) t.damage[i].damage = kDamageClasses[i];
@@ -304,7 +304,7 @@ TEST_F(PanelPlaces, StayWhenATreatmentGoesOn) {
 }
 
 TEST_F(PanelPlaces, AreReachedInASmallWindow) {
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.on = t.usable = true;
     state_.help = state_.board.open = state_.new_canvas.open = false;
     ImGui::GetIO().DisplaySize = {800, 600};

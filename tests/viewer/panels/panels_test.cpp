@@ -109,7 +109,7 @@ TEST_F(Panels, EveryButtonOfTheStepsCanBeClicked) {
             frames(panels::steps, 1600);
             io.MouseDown[0] = false;
             frames(panels::steps, 1600);
-            const auto ask = std::exchange(state_.treating.ask, {});
+            const auto ask = std::exchange(state_.treatment_state.ask, {});
             if (ask.fill) clicked.insert("fill");
             if (ask.isolate) clicked.insert("isolate");
             if (ask.varnish) clicked.insert("varnish");
@@ -119,7 +119,7 @@ TEST_F(Panels, EveryButtonOfTheStepsCanBeClicked) {
 
 // The row below moves up when a layer goes: the second click of a double click was not meant for it.
 TEST_F(Panels, ADoubleClickTakesOneLayerOff) {
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     ImGuiIO& io = ImGui::GetIO();
     const auto click = [&](float y) {
         io.MousePos = {30, y};
@@ -152,7 +152,7 @@ TEST_F(Panels, ADoubleClickTakesOneLayerOff) {
     ASSERT_GT(undo, 0) << "above the rows";
     EXPECT_EQ(click(top).remove, "varnish 1");
     has({"fill 1", "retouch 1"}, "take off varnish 1");
-    EXPECT_EQ(click(top), Treating::Ask{});
+    EXPECT_EQ(click(top), TreatmentState::Ask{});
     wait();
     EXPECT_EQ(click(top).remove, "retouch 1");
     has({"fill 1"}, "take off retouch 1");
@@ -179,16 +179,16 @@ TEST_F(Panels, NothingIsLitWhilePhotographsAreHeldAgainstThePainting) {
             for (const float x : {30.0f, 60.0f, 170.0f}) hand_at(x, y);
     };
     state_.comparing.on = true;
-    const Lamp before = state_.lamps[0];
+    const ViewLight before = state_.lights[0];
     everywhere();
-    ASSERT_EQ(state_.lamps.size(), 1u);
-    EXPECT_EQ(state_.lamps[0].angles.azimuth_deg, before.angles.azimuth_deg);
-    EXPECT_EQ(state_.lamps[0].angles.elevation_deg, before.angles.elevation_deg);
-    EXPECT_EQ(state_.lamps[0].gain, before.gain);
+    ASSERT_EQ(state_.lights.size(), 1u);
+    EXPECT_EQ(state_.lights[0].angles.azimuth_deg, before.angles.azimuth_deg);
+    EXPECT_EQ(state_.lights[0].angles.elevation_deg, before.angles.elevation_deg);
+    EXPECT_EQ(state_.lights[0].gain, before.gain);
     EXPECT_TRUE(state_.shadows && !state_.sweeping);
     state_.comparing.on = false;
     everywhere();
-    EXPECT_NE(state_.lamps[0].angles.azimuth_deg, before.angles.azimuth_deg) << "and it is otherwise";
+    EXPECT_NE(state_.lights[0].angles.azimuth_deg, before.angles.azimuth_deg) << "and it is otherwise";
 }
 
 // Typed as a user does: Ctrl-click into a slider.

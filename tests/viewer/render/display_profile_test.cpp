@@ -86,7 +86,7 @@ protected:
             for (int i = 0; i < 3; ++i) c[i] = srgb.decode(static_cast<float>(colours[at++]) / 255);
         show(s);
         if (table) renderer_->set_monitor(*table);
-        Scene scene{.mode = LookMode::diffuse};
+        Scene scene{.mode = ViewMode::diffuse};
         scene.on_monitor = true;
         std::vector<double> values;
         const Image<Rgb> picture = drawn(scene, pixel_by_pixel(s), false);

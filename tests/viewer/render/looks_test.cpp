@@ -11,10 +11,10 @@ TEST_F(Looks, EveryWayToLookGivesAPictureOfItsOwn) {
     const Surface s = painted_surface(64, 64);
     show(s);
     std::vector<Image<Rgb>> pictures;
-    for (const LookName& look : kLooks) {
+    for (const ViewModeName& look : kViewModes) {
         Scene scene{.lights = {distant_light({-0.5f, 0.5f, 0.7f})}, .mode = look.mode};
-        if (look.mode == LookMode::unsharp_normals) scene.sharpness = 3;
-        if (look.mode == LookMode::diffuse_gain) scene.strength = 2.5f;
+        if (look.mode == ViewMode::unsharp_normals) scene.sharpness = 3;
+        if (look.mode == ViewMode::diffuse_gain) scene.strength = 2.5f;
         const auto picture = drawn(scene, pixel_by_pixel(s), false);
         for (const Rgb& c : picture.pixels())
             ASSERT_TRUE(c.r >= 0 && c.r <= 1 && c.g >= 0 && c.g <= 1 && c.b >= 0 && c.b <= 1) << look.name;
@@ -37,7 +37,7 @@ TEST_F(Looks, CurvatureIsThatOfSpheresAndCylinders) {
                 s.normal(x, y) = n;
             }
         show(s);
-        const Scene scene{.mode = LookMode::curvature, .most_curvature = 2 / kRadius_mm};
+        const Scene scene{.mode = ViewMode::curvature, .most_curvature = 2 / kRadius_mm};
         const auto picture = drawn(scene, pixel_by_pixel(s), true);
         const Rgb middle = picture(48, 48);
         for (const auto& [x, y] : {std::pair(10, 20), {80, 50}, {33, 90}}) {

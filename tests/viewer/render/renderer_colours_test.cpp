@@ -32,7 +32,7 @@ TEST_F(RendererColours, FalseColoursAreThoseOfTheirScale) {
         for (int x = 0; x < 64; ++x) s.confidence(x, y) = static_cast<float>(x) / 63;
     show(s);
     Scene scene{.lights = {distant_light({-0.8f, 0.3f, 0.5f})}};
-    scene.mode = LookMode::confidence;
+    scene.mode = ViewMode::confidence;
     const Image<Rgb> picture = drawn(scene, pixel_by_pixel(s));
     for (int x = 0; x < 64; ++x) {
         const Rgb off = glm::abs(picture(x, 8) - false_colour(s.confidence(x, 8)));

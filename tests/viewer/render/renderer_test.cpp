@@ -23,9 +23,9 @@ protected:
 std::vector<Light> some_lights() {
     Light warm = distant_light({-0.8f, 0.3f, 0.5f});
     warm.gain = {1.1f, 0.9f, 0.7f};
-    Light lamp = near_light({12, 9, 20});
-    lamp.gain = Rgb(0.4f);
-    return {warm, lamp, distant_light({0.2f, -0.9f, 0.25f})};
+    Light light = near_light({12, 9, 20});
+    light.gain = Rgb(0.4f);
+    return {warm, light, distant_light({0.2f, -0.9f, 0.25f})};
 }
 
 // In two models, and with shadows under a rough and hazy law, where the same surface `without` something
@@ -35,7 +35,7 @@ void RendererTest::expect_equals_the_reference(Surface s, Surface without, const
         const auto gl = by_gl(s, some_lights(), {.model = model});
         EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
     }
-    s.law = without.law = {.diffuse_roughness = 0.6, .haze = 0.3};
+    s.reflectance_model = without.reflectance_model = {.diffuse_roughness = 0.6, .haze = 0.3};
     const RelightOptions shadows{.cast_shadows = true, .light_radius_deg = 2};
     const auto gl = by_gl(s, some_lights(), shadows);
     EXPECT_GE(part_within(gl, relight(s, some_lights(), shadows), 1), 0.999);
@@ -61,7 +61,7 @@ TEST_F(RendererTest, EqualsTheReferenceWithTheRigOfThePhotographs) {
     EXPECT_LT(part_within(gl, relight(s, some_lights(), {}), 1), 0.5) << "the rig matters here";
 }
 
-TEST_F(RendererTest, EqualsTheReferenceUnderUnevenLamps) {
+TEST_F(RendererTest, EqualsTheReferenceUnderUnevenLights) {
     const Surface s = painted_surface(140, 90);
     std::vector<Light> lights = some_lights();
     for (std::size_t i = 0; i < lights.size(); ++i)
@@ -73,14 +73,14 @@ TEST_F(RendererTest, EqualsTheReferenceUnderUnevenLamps) {
 
 TEST_F(RendererTest, EqualsTheReferenceUnderARoughAndHazyLaw) {
     Surface s = painted_surface(140, 90);
-    s.law = {.diffuse_roughness = 0.6, .haze = 0.3};
+    s.reflectance_model = {.diffuse_roughness = 0.6, .haze = 0.3};
     for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
         const auto gl = by_gl(s, some_lights(), {.model = model});
         EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
-        for (const ReflectanceLaw& other :
-             {ReflectanceLaw{.haze = 0.3}, ReflectanceLaw{.diffuse_roughness = 0.6}}) {
+        for (const ReflectanceModel& other :
+             {ReflectanceModel{.haze = 0.3}, ReflectanceModel{.diffuse_roughness = 0.6}}) {
             Surface differs = s;
-            differs.law = other;
+            differs.reflectance_model = other;
             EXPECT_LT(part_within(gl, relight(differs, some_lights(), {.model = model}), 1), 0.95)
                 << "both numbers matter here";
         }
@@ -90,7 +90,7 @@ TEST_F(RendererTest, EqualsTheReferenceUnderARoughAndHazyLaw) {
 TEST_F(RendererTest, EqualsTheReferenceWithColouredLobes) {
     const Surface s = gilded_surface(150, 170);
     Surface white = s;
-    white.lobe_colour = {};
+    white.specular_colour = {};
     expect_equals_the_reference(s, white, "colours matter here");
 }
 
@@ -246,24 +246,24 @@ TEST_F(RendererTest, HasNoSeams) {
 
 // Wherever the painting lies on the picture, in every encoding: it is whole, and beside it is background.
 TEST_F(RendererTest, ThePaintingIsWholeWhereverItLies) {
-    constexpr Extent kPainting{90, 60}, kScreen{160, 120};
+    constexpr Extent kPainting{90, 60}, kSmallScreen{160, 120};
     Surface s(kPainting.width, kPainting.height);
     for (Rgb& c : s.diffuse.pixels()) c = Rgb(0.8f);
     show(s);
     const Scene scene{.lights = {distant_light({0, 0, 1})}, .ambient = 1, .background = {0.1f, 0.2f, 0.05f}};
-    const gl::Target bytes(kScreen.width, kScreen.height, false);
+    const gl::Target bytes(kSmallScreen.width, kSmallScreen.height, false);
     for (const View& view : {View{{45, 30}, 1.2, 0}, View{{45, 30}, 1.2, 33}, View{{5, 70}, 2, 0},
                              View{{45, 30}, 9, 0}, View{{400, 30}, 1, 0}})
         for (const glm::dvec2 tilt_deg : {glm::dvec2(0, 0), glm::dvec2(50, 0), glm::dvec2(-70, 60)}) {
-            const Placement placement(view, {.angle_deg = tilt_deg}, false, kPainting, kScreen,
+            const Placement placement(view, {.angle_deg = tilt_deg}, false, kPainting, kSmallScreen,
                                       s.mm_per_pixel);
             const Shot shot = placement.shot(1, false);
             const Image<Rgb> linear = drawn(scene, shot), encoded = drawn(scene, shot, false);
             renderer_->draw(scene, shot, bytes.framebuffer());
             const Image<Rgb> by_device = renderer_->read(bytes);
             const Rgb beside = Transfer{Transfer::Kind::srgb}.encode(scene.background);
-            for (int y = 0; y < kScreen.height; ++y)
-                for (int x = 0; x < kScreen.width; ++x) {
+            for (int y = 0; y < kSmallScreen.height; ++y)
+                for (int x = 0; x < kSmallScreen.width; ++x) {
                     glm::dvec2 at;
                     const bool hit = placement.to_painting({x + 0.5, y + 0.5}, at);
                     const double rim = std::max({-0.5 - at.x, -0.5 - at.y, at.x - 89.5, at.y - 59.5});
@@ -298,7 +298,7 @@ TEST_F(RendererTest, ShadowsFromHorizonsAreNearThoseMarched) {
     }
 }
 
-// Far lamps have one direction everywhere, and a map of their own of it; beside a near one, each pixel looks
+// Far lights have one direction everywhere, and a map of their own of it; beside a near one, each pixel looks
 // its direction up in the whole map.
 TEST_F(RendererTest, BothWaysToLookHorizonsUpAgree) {
     Surface s = painted_surface(120, 100);

@@ -24,11 +24,11 @@ TEST(Texels, ComeBackAsTheyWere) {
 TEST(Texels, ColoursOfLobesComeBack) {
     const Surface s = gilded_surface(64, 48);
     const TexelRange range = range_of(s, 5);
-    ASSERT_TRUE(range.coloured_lobes);
+    ASSERT_TRUE(range.coloured_specular);
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x) {
             const Material a = material_at(s, x, y), b = unpack(pack(a, range), range);
-            EXPECT_LT(glm::length(a.lobe_colour - b.lobe_colour), 0.006f);
+            EXPECT_LT(glm::length(a.specular_colour - b.specular_colour), 0.006f);
             EXPECT_LT(glm::length(a.normal - b.normal), 6e-5f);
             EXPECT_NEAR(a.specular, b.specular, 1e-4);
             EXPECT_NEAR(a.roughness / b.roughness, 1, 1e-3);
@@ -36,21 +36,22 @@ TEST(Texels, ColoursOfLobesComeBack) {
             EXPECT_NEAR(a.confidence, b.confidence, 0.009);
         }
     // A mean of colours has no channel of 1; what it reflects is kept.
-    const Material mean{.specular = 0.1f, .roughness = 0.2f, .lobe_colour = Rgb(0.4f, 0.8f, 0.6f)};
+    const Material mean{.specular = 0.1f, .roughness = 0.2f, .specular_colour = Rgb(0.4f, 0.8f, 0.6f)};
     const Material back = unpack(pack(mean, range), range);
-    EXPECT_LT(glm::length(back.specular * back.lobe_colour - mean.specular * mean.lobe_colour), 1e-3f);
-    EXPECT_EQ(back.lobe_colour.g, 1);
+    EXPECT_LT(glm::length(back.specular * back.specular_colour - mean.specular * mean.specular_colour),
+              1e-3f);
+    EXPECT_EQ(back.specular_colour.g, 1);
 }
 
 TEST(Texels, StretchesOfLobesComeBack) {
     Surface s = brushed_surface(64, 48);
     const TexelRange range = range_of(s, 5);
-    ASSERT_TRUE(range.drawn_out_lobes);
+    ASSERT_TRUE(range.anisotropic_specular);
     for (int y = 0; y < s.height(); ++y)
         for (int x = 0; x < s.width(); ++x) {
             const Material a = material_at(s, x, y), b = unpack(pack(a, range), range);
             EXPECT_LT(glm::length(a.stretch - b.stretch), 0.006f);
-            EXPECT_LT(glm::length(a.lobe_colour - b.lobe_colour), 0.006f);
+            EXPECT_LT(glm::length(a.specular_colour - b.specular_colour), 0.006f);
             EXPECT_LT(glm::length(a.normal - b.normal), 5e-4f);
             EXPECT_LT(glm::length(a.diffuse - b.diffuse), 4e-3f);
             EXPECT_NEAR(a.specular, b.specular, 2e-4);
@@ -60,8 +61,8 @@ TEST(Texels, StretchesOfLobesComeBack) {
         }
     const Material plain{.roughness = 0.2f};
     EXPECT_EQ(unpack(pack(plain, range), range).stretch, Stretch(0)) << "exactly";
-    s.lobe_colour = {};
-    EXPECT_EQ(unpack(pack(material_at(s, 40, 9), range_of(s)), range_of(s)).lobe_colour, Rgb(1));
+    s.specular_colour = {};
+    EXPECT_EQ(unpack(pack(material_at(s, 40, 9), range_of(s)), range_of(s)).specular_colour, Rgb(1));
 }
 
 // From afar, slopes that differ along one direction draw a lobe out, and a stretch that all have is kept.

@@ -2,23 +2,23 @@
 // the log, and what is said of them.
 #include <gmock/gmock.h>
 
-#include "tests/support/treatment_desks.h"
+#include "tests/support/treatment_controllers.h"
 
 namespace tangi {
 namespace {
 
 using testing::HasSubstr;
 
-class DeskEdits : public TreatmentDesks {
+class ControllerEdits : public TreatmentControllers {
 protected:
     const DamageRow& loss() const {
-        return state_.treating.damage[static_cast<std::size_t>(DamageClass::loss_to_ground)];
+        return state_.treatment_state.damage[static_cast<std::size_t>(DamageClass::loss_to_ground)];
     }
 };
 
-TEST_F(DeskEdits, WhatWasTakenOffComesBackByUndo) {
+TEST_F(ControllerEdits, WhatWasTakenOffComesBackByUndo) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.brush_mm = 12;
     draw(60, 80, 100, 80);
     t.ask.keep = true;
@@ -50,9 +50,9 @@ TEST_F(DeskEdits, WhatWasTakenOffComesBackByUndo) {
     EXPECT_EQ(t.next_undo.step, "lay varnish 1");
 }
 
-TEST_F(DeskEdits, NoReportLeavesOutWhatIsNotInTheLog) {
+TEST_F(ControllerEdits, NoReportLeavesOutWhatIsNotInTheLog) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.brush_mm = 12;
     draw(60, 80, 100, 80);
     const std::filesystem::path html = folder_ / "report.html";
@@ -79,16 +79,16 @@ TEST_F(DeskEdits, NoReportLeavesOutWhatIsNotInTheLog) {
     is_refused("first recover the strokes");
     state_.left_over_strokes = 0;
     t.ask.report_wanted = true;
-    desk_->take();
+    documents_->take();
     EXPECT_TRUE(std::exchange(t.ask.report_dialog, false));
     t.ask.report = html;
     settle();
     EXPECT_TRUE(std::filesystem::exists(html)) << testing::PrintToString(said_);
 }
 
-TEST_F(DeskEdits, TheLegendCountsCorrections) {
+TEST_F(ControllerEdits, TheLegendCountsCorrections) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.brush_mm = 6;
     draw(20, 20, 60, 20);
     ASSERT_TRUE(loss().corrected);
@@ -116,9 +116,9 @@ TEST_F(DeskEdits, TheLegendCountsCorrections) {
     EXPECT_FALSE(loss().corrected);
 }
 
-TEST_F(DeskEdits, PolygonsThatDrawNothingSayWhy) {
+TEST_F(ControllerEdits, PolygonsThatDrawNothingSayWhy) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     const auto polygon = [&](const Polygon& corners) {
         said_.clear();
         t.touches.push_back({MaskTouch::Kind::polygon, {}, false, corners});

@@ -3,17 +3,17 @@
 #include <gmock/gmock.h>
 
 #include "retouch/colour_match/pigment_pairs.h"
-#include "tests/support/treatment_desks.h"
+#include "tests/support/treatment_controllers.h"
 
 namespace tangi {
 namespace {
 
 using testing::HasSubstr;
-using Desks = TreatmentDesks;
+using Controllers = TreatmentControllers;
 
-TEST_F(Desks, RecipesForAPlaceAndRoundTheDamage) {
+TEST_F(Controllers, RecipesForAPlaceAndRoundTheDamage) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.brush_mm = 10;
     draw(80, 80, 80, 80);
     t.ask.keep = true;
@@ -35,15 +35,15 @@ TEST_F(Desks, RecipesForAPlaceAndRoundTheDamage) {
     t.ask.match_around = true;
     settle();
     EXPECT_THAT(t.match->of, HasSubstr("round the damage"));
-    t.lamps.fill(false);
+    t.illuminants.fill(false);
     t.ask.match_around = true;
     settle();
-    EXPECT_THAT(said_.back(), HasSubstr("choose a lamp"));
+    EXPECT_THAT(said_.back(), HasSubstr("choose a light"));
 }
 
-TEST_F(Desks, RecipesAreOfThePaintBoxThatWasChosenLast) {
+TEST_F(Controllers, RecipesAreOfThePaintBoxThatWasChosenLast) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     Palette two{"Two", "", {artist_acrylics().at("Titanium White"), artist_acrylics().at("Bone Black")}};
     state_.mix = {{"Bone Black", 1}, {"Hansa Yellow Opaque", 2}};
     state_.use_palette(two);
@@ -52,7 +52,7 @@ TEST_F(Desks, RecipesAreOfThePaintBoxThatWasChosenLast) {
     state_.mix = {{"Hansa Yellow Opaque", 2}};
     state_.use_palette(two);
     EXPECT_EQ(state_.mix, (std::map<std::string, float>{{"Titanium White", 1}})) << "there is one at least";
-    desk_->use_palette(two);
+    documents_->use_palette(two);
     t.ask.match_at = glm::dvec2(40, 40);
     settle();
     ASSERT_TRUE(t.match) << testing::PrintToString(said_);
@@ -60,9 +60,9 @@ TEST_F(Desks, RecipesAreOfThePaintBoxThatWasChosenLast) {
         for (const auto& [name, part] : r.mix) EXPECT_GE(two.find(name), 0) << name;
 }
 
-TEST_F(Desks, PairsThatAreKeptApartAreEditedAndStay) {
+TEST_F(Controllers, PairsThatAreKeptApartAreEditedAndStay) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     const std::size_t usual = usual_pigment_pairs().size();
     ASSERT_EQ(t.pairs.size(), usual);
     t.new_pair = {"white", " ", "nothing to keep apart"};
@@ -83,7 +83,7 @@ TEST_F(Desks, PairsThatAreKeptApartAreEditedAndStay) {
     // Warned of by it, or left out.
     const Palette greys{
         "Greys", "", {artist_acrylics().at("Titanium White"), artist_acrylics().at("Bone Black")}};
-    desk_->use_palette(greys);
+    documents_->use_palette(greys);
     const auto mixed = [&] {
         t.ask.match_at = glm::dvec2(40, 40);
         settle();
@@ -95,9 +95,9 @@ TEST_F(Desks, PairsThatAreKeptApartAreEditedAndStay) {
     EXPECT_FALSE(mixed());
 
     // Another desk has it too.
-    TreatmentDesk again(
+    TreatmentController again(
         state_, {{"B. Restorer", "test"}, greys, [] {}, [](const std::string&) {}, folder_ / "settings"});
-    EXPECT_EQ(state_.treating.pairs.size(), usual);
+    EXPECT_EQ(state_.treatment_state.pairs.size(), usual);
     t.ask.usual_pairs = true;
     settle();
     EXPECT_EQ(t.pairs.front().why, usual_pigment_pairs().front().why);

@@ -3,21 +3,21 @@
 #include <gmock/gmock.h>
 
 #include "retouch/treatment/treatment_strokes.h"
-#include "tests/support/treatment_desks.h"
+#include "tests/support/treatment_controllers.h"
 
 namespace tangi {
 namespace {
 
 namespace fs = std::filesystem;
 
-using DesksStrokes = TreatmentDesks;
+using ControllersStrokes = TreatmentControllers;
 using testing::HasSubstr;
 
 // With its journal, a step keeps what its strokes went on from: the brush as the step before left it, and the
 // masks that brushes stopped at, which may change in the midst of it.
-TEST_F(DesksStrokes, StrokesOfAStepMakeItsLayerByThemselves) {
+TEST_F(ControllersStrokes, StrokesOfAStepMakeItsLayerByThemselves) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.where = {DamageClass::abrasion};
     t.current = DamageClass::abrasion;
     t.brush_mm = 12;
@@ -58,7 +58,7 @@ TEST_F(DesksStrokes, StrokesOfAStepMakeItsLayerByThemselves) {
     StrokesRepeated both = repeated();
     EXPECT_THAT(both.faults, testing::IsEmpty());
     EXPECT_EQ(both.painted_again, 2) << testing::PrintToString(said_);
-    EXPECT_EQ(both.left_out, 0);
+    EXPECT_EQ(both.not_repeated, 0);
     EXPECT_FALSE(fs::exists(folder_ / "a.treatment" / "painting.unsaved.jsonl"));
 
     // Opened again, the brush is what it was; after a crash, masks are as they were for each stroke.
@@ -75,7 +75,7 @@ TEST_F(DesksStrokes, StrokesOfAStepMakeItsLayerByThemselves) {
     settle();
     show(file);  // without saving
     settle();
-    painter_->recover(*left_over(sitting_files(file)));
+    painter_->recover(*left_over(recovery_files(file)));
     settle();
     EXPECT_EQ(state_.painter.painted_px, painted);
     save();
@@ -90,11 +90,11 @@ TEST_F(DesksStrokes, StrokesOfAStepMakeItsLayerByThemselves) {
     both = repeated();
     EXPECT_THAT(both.faults, testing::IsEmpty());
     EXPECT_EQ(both.painted_again, 0);
-    EXPECT_EQ(both.left_out, 3);
+    EXPECT_EQ(both.not_repeated, 3);
 }
 
 // Paints mixed on the palette and not used yet are no step; they are not lost.
-TEST_F(DesksStrokes, WhatWasOnlyMixedStaysInTheJournal) {
+TEST_F(ControllersStrokes, WhatWasOnlyMixedStaysInTheJournal) {
     begin();
     PaletteEvent piles;
     piles.paints = {"Bone Black", "Titanium White"};
@@ -104,7 +104,7 @@ TEST_F(DesksStrokes, WhatWasOnlyMixedStaysInTheJournal) {
     settle();
     const fs::path file = folder_ / "a.treatment" / "painting.exr";
     EXPECT_EQ(treatment().log().entries().size(), 1u);
-    const auto journal = left_over(sitting_files(file));
+    const auto journal = left_over(recovery_files(file));
     ASSERT_TRUE(journal);
     ASSERT_EQ(journal->entries.size(), 2u);
     EXPECT_TRUE(std::holds_alternative<PaintsEvent>(journal->entries[0].event));
@@ -112,9 +112,9 @@ TEST_F(DesksStrokes, WhatWasOnlyMixedStaysInTheJournal) {
 }
 
 // Strokes of a sitting stay to be recovered where somebody else did a step meanwhile.
-TEST_F(DesksStrokes, AStepOfAnotherProgramIsSaid) {
+TEST_F(ControllersStrokes, AStepOfAnotherProgramIsSaid) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.brush_mm = 12;
     draw(70, 80, 90, 80);
     t.ask.keep = true;
@@ -132,36 +132,36 @@ TEST_F(DesksStrokes, AStepOfAnotherProgramIsSaid) {
     EXPECT_THAT(said_.back(), HasSubstr("log"));
     show(folder_ / "a.treatment" / "painting.exr");
     settle();
-    EXPECT_TRUE(left_over(sitting_files(folder_ / "a.treatment" / "painting.exr")));
+    EXPECT_TRUE(left_over(recovery_files(folder_ / "a.treatment" / "painting.exr")));
 }
 
 // Where the folder is gone, nobody knows where brushes are to stop.
-TEST_F(DesksStrokes, NothingIsPaintedWhileTheFolderIsElsewhere) {
+TEST_F(ControllersStrokes, NothingIsPaintedWhileTheFolderIsElsewhere) {
     begin();
-    state_.treating.brush_mm = 12;
+    state_.treatment_state.brush_mm = 12;
     draw(70, 80, 90, 80);
-    state_.treating.ask.keep = true;
+    state_.treatment_state.ask.keep = true;
     settle();
-    ASSERT_EQ(state_.treating.no_strokes, "");
+    ASSERT_EQ(state_.treatment_state.no_strokes, "");
     const auto look_again = [this] {
         std::this_thread::sleep_for(std::chrono::milliseconds(600));
         settle();
     };
     fs::rename(folder_ / "a.treatment", folder_ / "b.treatment");
     look_again();
-    EXPECT_THAT(state_.treating.no_strokes, HasSubstr("not where it was"));
-    EXPECT_TRUE(state_.treating.on) << "it is no painting without a treatment";
+    EXPECT_THAT(state_.treatment_state.no_strokes, HasSubstr("not where it was"));
+    EXPECT_TRUE(state_.treatment_state.on) << "it is no painting without a treatment";
     fs::rename(folder_ / "b.treatment", folder_ / "a.treatment");
     look_again();
-    EXPECT_EQ(state_.treating.no_strokes, "");
+    EXPECT_EQ(state_.treatment_state.no_strokes, "");
     stroke(0);
     EXPECT_GT(state_.painter.painted_px, 50);
     EXPECT_EQ(state_.painter.outside_px, 0);
 }
 
-TEST_F(DesksStrokes, StrokesOfACrashStopAtTheSameDamage) {
+TEST_F(ControllersStrokes, StrokesOfACrashStopAtTheSameDamage) {
     begin();
-    Treating& t = state_.treating;
+    TreatmentState& t = state_.treatment_state;
     t.where = {DamageClass::abrasion};
     t.current = DamageClass::abrasion;
     t.brush_mm = 12;
@@ -175,7 +175,7 @@ TEST_F(DesksStrokes, StrokesOfACrashStopAtTheSameDamage) {
     show(file);  // without saving
     settle();
     EXPECT_EQ(t.where, std::set<DamageClass>{DamageClass::abrasion});
-    auto journal = left_over(sitting_files(file));
+    auto journal = left_over(recovery_files(file));
     ASSERT_TRUE(journal);
     painter_->recover(std::move(*journal));
     settle();

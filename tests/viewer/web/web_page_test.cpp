@@ -59,18 +59,18 @@ TEST_F(WebPageInABrowser, EqualsTheReferenceFromAFolderAndAsOneFile) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page", s, {.title = "Ridges"});
     write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
-    struct Lamp {
+    struct ViewLight {
         const char* page;
         double azimuth_deg, elevation_deg;
     };
-    for (const Lamp lamp :
-         {Lamp{"page/index.html", 130, 60}, {"page/index.html", -20, 15}, {"page.html", 250, 35}}) {
-        open(url_of(scratch_ / lamp.page, lamp.azimuth_deg, lamp.elevation_deg));
+    for (const ViewLight light :
+         {ViewLight{"page/index.html", 130, 60}, {"page/index.html", -20, 15}, {"page.html", 250, 35}}) {
+        open(url_of(scratch_ / light.page, light.azimuth_deg, light.elevation_deg));
         const Image<Rgb> seen = middle_of(browser_->screenshot());
         // One step as everywhere, and half of one that 8 bits round.
-        EXPECT_GE(part_within(seen, reference(s, lamp.azimuth_deg, lamp.elevation_deg), 1.5), 0.999)
-            << lamp.page;
-        EXPECT_LT(part_within(seen, reference(s, lamp.azimuth_deg + 15, lamp.elevation_deg), 1.5), 0.5)
+        EXPECT_GE(part_within(seen, reference(s, light.azimuth_deg, light.elevation_deg), 1.5), 0.999)
+            << light.page;
+        EXPECT_LT(part_within(seen, reference(s, light.azimuth_deg + 15, light.elevation_deg), 1.5), 0.5)
             << "the light matters here";
     }
     EXPECT_EQ(browser_->errors, "");

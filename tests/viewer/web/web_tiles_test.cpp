@@ -90,7 +90,7 @@ TEST(WebTiles, KeepTheColoursOfLobes) {
         for (int x = 0; x < 120; ++x) {
             const Material truth = unpack(tiles.at(x, y), tiles.range()),
                            m = unpack(texels[static_cast<std::size_t>(y * 120 + x)], tiles.range());
-            ASSERT_EQ(m.lobe_colour, truth.lobe_colour);
+            ASSERT_EQ(m.specular_colour, truth.specular_colour);
             ASSERT_EQ(m.specular, truth.specular);
             ASSERT_NEAR(m.roughness / truth.roughness, 1, 2e-3);
             ASSERT_EQ(m.confidence, truth.confidence);

@@ -2,7 +2,7 @@
 
 const degreesPerHeight = 120, halfSpeed = 0.15, halfWay = 0.06, sweepSpeed = 40;
 
-class Hand {
+class InputController {
   // state: view, tilt, light, tool, …; changed() after every change. fit() shows the whole painting.
   constructor(canvas, state, screen, fit, changed) {
     Object.assign(this, {canvas, state, screen, fit, changed, pointers: new Map(), cursor: null});

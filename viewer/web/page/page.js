@@ -1,7 +1,7 @@
 // page.js: the page: controls, what is drawn when, links to a view.
 
 const at = id => document.getElementById(id), canvas = at('picture');
-const toolNames = [['light', 'Light', 'drag: move the lamp over the painting (L)'], ['tilt', 'Tilt', 'drag: tilt the painting (T)'],
+const toolNames = [['light', 'Light', 'drag: move the light over the painting (L)'], ['tilt', 'Tilt', 'drag: tilt the painting (T)'],
   ['pan', 'Move', 'drag: move the painting (H); two fingers or the wheel zoom'], ['ruler', 'Measure', 'drag: measure a distance (M)']];
 const state = {
   view: {x: (data.width - 1) / 2, y: (data.height - 1) / 2, zoom: 1, turn: 0}, tilt: {x: 0, y: 0, vx: 0, vy: 0, returning: false},
@@ -105,8 +105,8 @@ function ask() {
 
 function controls() {
   const {azimuth, elevation} = state.light, d = directionOf(state.light);
-  at('lamp').setAttribute('cx', 50 + 46 * d[0]);
-  at('lamp').setAttribute('cy', 50 - 46 * d[1]);
+  at('light').setAttribute('cx', 50 + 46 * d[0]);
+  at('light').setAttribute('cy', 50 - 46 * d[1]);
   at('angles').textContent = `${Math.round((azimuth + 360) % 360)}° · ${Math.round(elevation)}° high`;
   at('dome').setAttribute('aria-valuetext', `azimuth ${Math.round((azimuth + 360) % 360)}, elevation ${Math.round(elevation)} degrees`);
   for (const button of at('tools').children) button.setAttribute('aria-pressed', button.dataset.tool === state.tool);
@@ -220,7 +220,7 @@ function setUp() {
   new ResizeObserver(resized).observe(canvas);
 }
 
-const hand = new Hand(canvas, state, () => screen, fit, ask);
+const hand = new InputController(canvas, state, () => screen, fit, ask);
 try {
   caption();
   placed = readLink();
