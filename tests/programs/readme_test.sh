@@ -11,15 +11,19 @@ complain() {
     failed=1
 }
 
-for script in script/bootstrap script/demo script/test script/screenshots script/retouching_pictures .ci/run; do
+for script in script/bootstrap script/commands-page script/demo script/figures-capture script/test script/screenshots \
+    script/retouching_pictures .ci/run; do
     [ -x "$source/$script" ] || complain "$script is not there, or cannot be run"
-    bash -n "$source/$script" || complain "$script: bash cannot read it"
+    [[ $(head -n 1 "$source/$script") == *python3 ]] || bash -n "$source/$script" || complain "$script: bash cannot read it"
 done
 
 # Whoever asks a script what it does does not want it to build for minutes.
-for script in script/demo script/test script/screenshots script/retouching_pictures; do
+for script in script/commands-page script/demo script/test script/screenshots script/retouching_pictures; do
     timeout 10 "$source/$script" --help | grep -q "Usage: $script" || complain "$script --help does not say how to use it"
 done
+
+lines=$(wc -l <"$source/README.md")
+[ "$lines" -le 100 ] || complain "README.md has $lines lines, of 100"
 
 links=$(grep -o '](\([^)]*\))' "$source/README.md" | sed 's/^](//; s/)$//; s/#.*//' | grep -v '^[a-z]*:' | sort -u)
 [ -n "$links" ] || complain "README.md: no links found; has the way they are written changed?"
@@ -31,8 +35,16 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir "$folder/bin" "$folder/home"
 ln -s "$program" "$folder/bin/tangipaint"
-ln -s "$source/datasets" "$folder/home/datasets"
 cd "$folder/home"
+# The commands are for the sample; here they get the part of it that script/demo --small fits, cut out, as all of it
+# would take minutes and show no more.
+sample=datasets/impasto/jpg
+mkdir -p "$sample"
+cp "$source/$sample"/*.lp "$sample"
+for photo in "$source/$sample"/*.jpg; do
+    oiiotool "$photo" --cut 160x160+176+176 --quality 95 -o "$sample/${photo##*/}"
+done
+ln -s "$source/datasets/strokes" datasets/strokes
 export PATH="$folder/bin:$PATH"
 
 commands=0
