@@ -63,7 +63,8 @@ done < <(awk '/^```sh$/ { inside = 1; next } /^```/ { inside = 0 } inside' "$sou
 
 [ "$commands" -ge 9 ] || complain "README.md: only $commands commands found; has the way they are written changed?"
 for result in painting.exr raking.png report/compare.html report/compare.json relit/heldout_005.png \
-    eighth/compare.html synthetic/lights.lp synthetic.exr still_life.png drawn.png raking.mp4; do
+    eighth/compare.html eighth.html raking.mp4 page/index.html painting.ptm again.exr synthetic/lights.lp synthetic.exr \
+    still_life.png cards.png damage.png treatment.pdf swatches.png; do
     [ -s "$result" ] || complain "the commands of README.md did not make $result"
 done
 [ "$failed" -eq 0 ] && echo "README.md: all $commands commands run"
