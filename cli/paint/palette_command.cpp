@@ -93,7 +93,8 @@ Command palette_command() {
         "palette", "show the paints of a palette: what they are, and as drawdown cards", [](Flags& flags) {
             auto a = std::make_shared<PaletteArguments>();
             flags.option("FILE", a->file,
-                         "palette file (.json, docs/paint.md); the built-in artist acrylics without");
+                         "palette file (.json, docs/reference/palette-format.md); the built-in artist "
+                         "acrylics without");
             flags.option(
                 "--out", a->out,
                 "picture to write (.png .tif .jpg .exr): every paint by itself, in two tints with white, and "

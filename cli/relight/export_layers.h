@@ -10,8 +10,8 @@ namespace tangi {
 
 // NUMBER-NAME/ for each layer that holds paint, from the bottom up, with colour.png (16 bit, alpha),
 // thickness_mm.exr and the volume of each ingredient [mm^3/mm^2 = mm], NNNNN-NAME_mm.exr, NNNNN its number;
-// names as far as they can be those of files. layers.json says of each what it is (docs/painting.md). Throws
-// Error where the folder cannot be written.
+// names as far as they can be those of files. layers.json says of each what it is
+// (docs/reference/export-formats.md). Throws Error where the folder cannot be written.
 void write_layers(const std::filesystem::path& folder, const Canvas& canvas, const Progress& progress);
 
 }  // namespace tangi

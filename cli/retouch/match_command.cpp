@@ -334,8 +334,9 @@ Command match_command() {
             auto a = std::make_shared<MatchArguments>();
             flags.option("PAINTING", a->painting, "painting file (.exr), with --mask");
             a->area.add_to(flags, "where the loss is: its surroundings are matched");
-            flags.option("--treatment", a->treatment,
-                         "treatment to look at and log in (docs/retouching.md), instead of PAINTING.exr");
+            flags.option(
+                "--treatment", a->treatment,
+                "treatment to look at and log in (docs/guide/retouching.md), instead of PAINTING.exr");
             a->author.add_to(flags);
             flags.option("--damaged", a->damaged, "picture, white where there is other damage beside it");
             flags.option("--spectrum", a->spectrum,

@@ -10,7 +10,8 @@ namespace tangi {
 
 void PaintBoxArguments::add_to(Flags& flags) {
     flags.option("--palette", palette,
-                 "palette file (.json, docs/paint.md) with the paints at hand; the built-in artist acrylics "
+                 "palette file (.json, docs/reference/palette-format.md) with the paints at hand; the "
+                 "built-in artist acrylics "
                  "without");
     flags
         .option("--illuminants", illuminants,
@@ -21,9 +22,9 @@ void PaintBoxArguments::add_to(Flags& flags) {
                 "what is made small: the worst or the mean difference under these illuminants")
         .check(one_of({"worst", "mean"}))
         .show_default();
-    flags.option(
-        "--pairs", pairs,
-        "list of pigments that are kept apart (.json, docs/colour-matching.md); a built-in one without");
+    flags.option("--pairs", pairs,
+                 "list of pigments that are kept apart (.json, docs/reference/palette-format.md); a built-in "
+                 "one without");
     flags.flag("--avoid-pairs", avoid_pairs,
                "leave out recipes with such a pair; without, they are warned of");
 }

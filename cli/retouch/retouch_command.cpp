@@ -225,9 +225,10 @@ Command retouch_command() {
                         "proposal")
                 .check(one_of({"membrane", "telea", "navier-stokes", "patches"}))
                 .show_default();
-            flags.option("--treatment", a->treatment,
-                         "treatment to retouch and log in (docs/retouching.md), instead of PAINTING.exr "
-                         "and --out");
+            flags.option(
+                "--treatment", a->treatment,
+                "treatment to retouch and log in (docs/guide/retouching.md), instead of PAINTING.exr "
+                "and --out");
             a->author.add_to(flags);
             flags.option("--preview", a->preview,
                          "picture to write (.png .tif .jpg .exr): the retouch as the eye has it from "

@@ -1,4 +1,5 @@
-// palette.h: named paints to paint with, and the JSON files that hold them (docs/paint.md: the format).
+// palette.h: named paints to paint with, and the JSON files that hold them (docs/reference/palette-format.md:
+// the format).
 #pragma once
 
 #include <filesystem>

@@ -61,7 +61,8 @@ struct PaintFinish {
 Pigment finished(Pigment paint, const PaintFinish& finish);
 
 // Films of this thickness hide: over black, they are 98 % as bright as over white (ISO 6504). Default for
-// paints of which no more is known than their colour; titanium white needs about as much (docs/paint.md).
+// paints of which no more is known than their colour; titanium white needs about as much
+// (docs/theory/kubelka-munk.md).
 inline constexpr float kHidingThickness_mm = 0.1f;
 
 // K and S from reflectances (outside, without specular reflection, 0..1) of films that hide: of the paint by

@@ -1,7 +1,7 @@
 // spectrum.h: reflectance in 12 bands; what it looks like under a light, and a reflectance for a colour.
 //
 // The bands lie where artists' paints change most, not at equal distances. Weights that turn them into XYZ
-// were fitted to mixtures of paints known at 38 wavelengths (docs/paint.md: method and errors).
+// were fitted to mixtures of paints known at 38 wavelengths (docs/theory/kubelka-munk.md: method and errors).
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline constexpr std::array<float, kBands> kBand_nm = {410, 440, 470, 500, 510, 
 
 // Lights that paint is looked at under: CIE A (tungsten), D50, D65 (daylight), F11 (three-band fluorescent;
 // CIE 15), and a white LED of 3000 K: a blue peak at 452 nm and a phosphor's broad one at 588 nm
-// (docs/paint.md).
+// (docs/theory/kubelka-munk.md).
 enum class Illuminant { a, d50, d65, f11, warm_led };
 inline constexpr int kIlluminants = 5;
 

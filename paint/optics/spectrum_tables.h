@@ -1,5 +1,5 @@
-// spectrum_tables.h: numbers of spectrum.cpp, made by script/paint_tables. docs/paint.md says how they were
-// found.
+// spectrum_tables.h: numbers of spectrum.cpp, made by script/paint_tables. docs/theory/kubelka-munk.md says
+// how they were found.
 #pragma once
 
 #include "paint/optics/spectrum.h"

@@ -1,4 +1,5 @@
-// journal.h: the record of a painting: one JSON object a line, append-only (docs/paint.md: the format).
+// journal.h: the record of a painting: one JSON object a line, append-only (docs/reference/journal-format.md:
+// the format).
 //
 // The first line is {"format": "tangipaint strokes", "version": 1}, with the painting that the events go on
 // from (JournalHead); then one event a line, in the order in which they happened. A line that a crash cut

@@ -1,4 +1,5 @@
-// journal_event.h: what happens at a canvas, as journals have it (docs/paint.md: the format).
+// journal_event.h: what happens at a canvas, as journals have it (docs/reference/journal-format.md: the
+// format).
 #pragma once
 
 #include <map>

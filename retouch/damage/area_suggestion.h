@@ -2,7 +2,7 @@
 // judge. Each cue compares an area with what is around its rim; where few cues speak, the evidence is weak
 // and said to be.
 //
-// Cues (docs/retouching.md has the method, and how often it is right):
+// Cues (docs/theory/damage-and-fills.md has the method, and how often it is right):
 //   abrasion   level where paint and ground change from thread to thread, matter and lower, and no loss
 //   stain      what goes on in one paint across the rim lets less light pass, by the same factors all round,
 //              least of the blue; neither height, gloss nor texture changes

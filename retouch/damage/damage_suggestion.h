@@ -2,7 +2,7 @@
 // patches of other gloss, each with how sure it is.
 //
 // All compare a pixel with its surroundings, so that neither the colour of the light nor a slow drift of the
-// height matters. docs/retouching.md has the method and its limits.
+// height matters. docs/theory/damage-and-fills.md has the method and its limits.
 #pragma once
 
 #include <vector>

@@ -11,7 +11,7 @@
 //   log.jsonl             the log (treatment_log.h): the layers, masks and files that there are, with hashes
 //   pending/              only while a step is written, or where a crash came into one (treatment_folder.h)
 //
-// docs/retouching.md: format and use.
+// docs/reference/treatment-format.md: the format; docs/guide/retouching.md: use.
 #pragma once
 
 #include <array>

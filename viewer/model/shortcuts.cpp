@@ -240,7 +240,7 @@ Keys Keys::read(const std::filesystem::path& file) {
         const auto known = std::find_if(shortcuts().begin(), shortcuts().end(),
                                         [&name = name](const Shortcut& s) { return name == s.name; });
         if (known == shortcuts().end())
-            fail("{}: there is no action '{}'; docs/window.md lists them", where, shortened(name));
+            fail("{}: there is no action '{}'; docs/guide/viewer.md lists them", where, shortened(name));
         std::vector<Chord> chords;
         for (const nlohmann::json& text : value.is_array() ? value : nlohmann::json::array({value})) {
             if (!text.is_string())

@@ -27,7 +27,7 @@ glm::dvec2 NewCanvas::pixels() const {
 }
 
 double NewCanvas::bytes() const {
-    constexpr double kBytesAPixel = 101;  // docs/window.md
+    constexpr double kBytesAPixel = 101;  // docs/guide/viewer.md
     return kBytesAPixel * pixels().x * pixels().y;
 }
 

@@ -35,7 +35,7 @@ Table table_of(const std::filesystem::path& path) {
     return table;
 }
 
-// The model of a white LED in docs/paint.md.
+// The model of a white LED in docs/theory/kubelka-munk.md.
 double warm_led(double nm) {
     const auto bell = [nm](double middle, double below, double above) {
         return std::exp(-0.5 * std::pow((nm - middle) / (nm < middle ? below : above), 2));
