@@ -33,57 +33,95 @@ set(TP_LONG_FILES
 # templates of GLM, Eigen and OpenCV, is linked as they compile it, though: these would take twice as long to run.
 set(TP_OPTIMISED_TESTS capture chart compare datasets fit)
 
-# tangi_register(<program> <file>): what ctest should know of a file of tests, by its path below tests/: one entry for
-# all of it, since loading the libraries takes a program longer than most tests take. Suites named Data* need data that
-# is not in the repository: they are an entry of their own with the label `data` (ctest -LE data leaves them out).
-function(tangi_register program file)
+# Tests that are about optimised code, and so run there, too, where .ci/run leaves the others to the sanitizers: batches
+# against Ceres, sets of instructions, the same bits again, shaders against the processor.
+set(TP_OPTIMISED_FILES
+    fit/pixel/ward_agreement_test.cpp fit/pixel/ward_batch_test.cpp fit/shadows/shadow_sets_test.cpp
+    paint/optics/film_batch_test.cpp paint/stroke/load_rows_test.cpp paint/stroke/stroke_repeats_test.cpp
+    surface/image/colour_rows_test.cpp surface/render/visibility_test.cpp viewer/render/renderer_colours_test.cpp
+    viewer/render/renderer_test.cpp)
+
+# Filters of gtest for the tests of a file: those that the sanitizers run (<file>_plain), those that are too long for them
+# (<file>_long), and those that need data that is not in the repository, in suites named Data* (<file>_data).
+function(tangi_sort_tests file)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
     file(READ ${file} text)
     string(REGEX MATCHALL "\nTEST(_[FP])?\\([A-Za-z0-9_]+,[ \n]*[A-Za-z0-9_]+\\)" tests "${text}")
     set(plain "")
+    set(long "")
     set(data "")
     foreach(test IN LISTS tests)
         string(REGEX REPLACE "\nTEST[^(]*\\(([A-Za-z0-9_]+),[ \n]*([A-Za-z0-9_]+)\\)" "\\1.\\2" name "${test}")
-        set(filter "${name}")
+        set(filter ":${name}")
         if(test MATCHES "TEST_P")
-            set(filter "*/${name}/*")
+            set(filter ":*/${name}/*")
         endif()
-        set(is_long OFF)
-        foreach(long IN LISTS TP_LONG_TESTS)
-            string(FIND "${name}" "${long}" place)
+        set(kind plain)
+        foreach(beginning IN LISTS TP_LONG_TESTS)
+            string(FIND "${name}" "${beginning}" place)
             if(place EQUAL 0)
-                set(is_long ON)
+                set(kind long)
             endif()
         endforeach()
         if(name MATCHES "^Data")
-            string(APPEND data ":${filter}")
-        elseif(NOT (TP_SANITIZE AND is_long))
-            string(APPEND plain ":${filter}")
+            set(kind data)
         endif()
+        string(APPEND ${kind} "${filter}")
     endforeach()
+    foreach(kind plain long data)
+        set(${file}_${kind} "${${kind}}" PARENT_SCOPE)
+    endforeach()
+endfunction()
+
+# tangi_register(<program> <file>): what ctest should know of a file of tests, by its path below tests/: one entry for
+# all of it, since loading the libraries takes a program longer than most tests take, and one with the label `data`
+# (ctest -LE data leaves them out).
+function(tangi_register program file)
     file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR}/${file})
     string(REGEX REPLACE "_test.cpp$" "" entry "${path}")
     set(length "")
     if(path IN_LIST TP_LONG_FILES)
         set(length long)
     endif()
-    if(plain)
-        add_test(NAME ${entry} COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${plain})
+    set(filter "${${file}_plain}${${file}_long}")
+    if(TP_SANITIZE)
+        set(filter "${${file}_plain}")
+    elseif(TP_TESTS STREQUAL "REST" AND NOT path IN_LIST TP_OPTIMISED_FILES)
+        set(filter "${${file}_long}")
+    endif()
+    if(filter)
+        add_test(NAME ${entry} COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${filter})
         set_tests_properties(${entry} PROPERTIES LABELS "${length}"
                              ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp")
     endif()
-    if(data)
-        add_test(NAME ${entry}_data COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${data})
+    if(${file}_data)
+        add_test(NAME ${entry}_data COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${${file}_data})
         set_tests_properties(${entry}_data PROPERTIES LABELS "data;${length}" TIMEOUT 3600
                              SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
     endif()
 endfunction()
 
-# tangi_tests(<program> LINK ... FILES ... [EACH ...]): <program>_tests of files of this folder. EACH: every test is an
-# entry of ctest, with these properties.
+# tangi_tests(<program> LINK ... FILES ... [EACH ...] [WHOLE]): <program>_tests of files of this folder. EACH: every test
+# is an entry of ctest, with these properties. WHOLE: of those that the sanitizers do not have; else TP_TESTS=REST takes
+# only files with tests that they leave out, and of these only such tests.
 function(tangi_tests program)
-    cmake_parse_arguments(ARG "" "" "LINK;FILES;EACH" ${ARGN})
-    add_executable(${program}_tests ${ARG_FILES})
+    cmake_parse_arguments(ARG "WHOLE" "" "LINK;FILES;EACH" ${ARGN})
+    set(files "")
+    foreach(file IN LISTS ARG_FILES)
+        tangi_sort_tests(${file})
+        file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+        if(ARG_WHOLE AND NOT TP_SANITIZE)
+            set(${file}_long "${${file}_plain}${${file}_long}")
+            set(${file}_plain "")
+        endif()
+        if(NOT TP_TESTS STREQUAL "REST" OR ${file}_long OR ${file}_data OR path IN_LIST TP_OPTIMISED_FILES)
+            list(APPEND files ${file})
+        endif()
+    endforeach()
+    if(NOT files)
+        return()
+    endif()
+    add_executable(${program}_tests ${files})
     # Tests are compiled often and run once.
     set(optimisation -O1)
     if(TP_SANITIZE AND NOT program IN_LIST TP_OPTIMISED_TESTS)
@@ -107,7 +145,7 @@ function(tangi_tests program)
                              DISCOVERY_TIMEOUT 60 PROPERTIES ${ARG_EACH} TIMEOUT 900 LABELS data
                              SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
     else()
-        foreach(file IN LISTS ARG_FILES)
+        foreach(file IN LISTS files)
             tangi_register(${program} ${file})
         endforeach()
     endif()

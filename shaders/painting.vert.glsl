@@ -8,7 +8,7 @@ uniform float u_ambient, u_rig_ambient;
 uniform float u_shoulder;    // [1] 0: clips at white; else where the tone curve leaves the straight line
 uniform vec3 u_background;   // [linear]
 uniform vec4 u_look;         // strengths of the mode; heights' false colour: lowest, highest [mm]
-uniform vec2 u_law;          // diffuse roughness [1], haze [1]
+uniform vec2 u_law;          // diffuse roughness [1], second lobe [1]
 uniform float u_mm_per_pixel;
 uniform float u_bend;          // [1/mm]
 uniform float u_light_radius;  // [rad]

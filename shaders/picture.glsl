@@ -16,6 +16,6 @@ PASSED vec4 v_range;
 PASSED vec4 v_background;                           // and the diffuse roughness
 PASSED vec4 v_look;
 PASSED vec4 v_light, v_light_gain;                    // the first light (NEAR == 0: and 1 / rows); and its azimuth
-PASSED vec4 v_rest;  // haze; elevation of the first light; texels a pixel; 1 / columns of the painting
+PASSED vec4 v_rest;  // second lobe; elevation of the first light; texels a pixel; 1 / columns of the painting
 PASSED ivec4 v_size;                                // and level of detail, the coarsest level
 PASSED ivec4 v_tiles;  // of this level: the first in the table, columns; AT_HOME: left, top, columns, rows and first << 16

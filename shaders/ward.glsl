@@ -46,7 +46,7 @@ float pi_ward_lobe(vec3 n, vec3 l, vec3 v, float n_l, float alpha SHAPE) {
 #endif
 }
 
-// The lobe and its haze: part of it is twice as wide (hazy_lobe() of surface/reflectance/ward.h).
+// The lobe and its second lobe: part of it is twice as wide (hazy_lobe() of surface/reflectance/ward.h).
 float pi_hazy_lobe(vec3 n, vec3 l, vec3 v, float n_l, float alpha SHAPE) {
     float core = pi_ward_lobe(n, l, v, n_l, alpha WITH_SHAPE);
 #if LAW == 1

@@ -31,7 +31,7 @@ struct Calibration {
 // cannot be written.
 CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration);
 
-// The whole capture.json: see docs/capture.md.
+// The whole capture.json: see docs/reference/capture-json.md.
 nlohmann::json to_json(const Calibration& calibration);
 
 // Each sphere under all lights at once (the brightest of all photographs), lightened, for the page.

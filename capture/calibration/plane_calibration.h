@@ -74,7 +74,7 @@ struct PlaneCalibration {
 PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& options,
                                  const ColourCalibration* chart, const Progress& progress = {});
 
-// For capture.json: see docs/capture.md.
+// For capture.json: see docs/reference/capture-json.md.
 nlohmann::json to_json(const PlaneCalibration& plane);
 
 }  // namespace tangi

@@ -83,7 +83,7 @@ ColourCorrection correct_colours(std::span<const ChartReading> photos, const Cha
 // others.
 void warn_of_outliers(ColourCorrection& correction, std::span<const ChartReading> photos);
 
-// For capture.json: see docs/capture.md.
+// For capture.json: see docs/reference/capture-json.md.
 nlohmann::json to_json(const ColourCorrection& correction, const ChartReference& reference);
 nlohmann::json to_json(const FoundChart& chart);
 

@@ -1,4 +1,5 @@
-// chart_colour_json.cpp: what was found of the chart and its colours, as JSON (docs/capture.md).
+// chart_colour_json.cpp: what was found of the chart and its colours, as JSON
+// (docs/reference/capture-json.md).
 #include "capture/colour_chart/chart_colour.h"
 #include "surface/maps/photography_json.h"
 

@@ -46,7 +46,7 @@ std::optional<ColourCalibration> calibrate_colours(const PhotoSet& photos,
                                                    const ColourCalibrationOptions& options,
                                                    const Progress& progress = {});
 
-// For capture.json: see docs/capture.md.
+// For capture.json: see docs/reference/capture-json.md.
 nlohmann::json to_json(const ColourCalibration& calibration);
 
 // The part of the calibration's page that is about colour: swatches and tables, as HTML.

@@ -1,4 +1,5 @@
-// capture_file.h: capture.json, what `tangipaint calibrate` found, as a fit takes it (docs/capture.md).
+// capture_file.h: capture.json, what `tangipaint calibrate` found, as a fit takes it
+// (docs/reference/capture-json.md).
 #pragma once
 
 #include <filesystem>

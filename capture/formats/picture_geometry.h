@@ -33,8 +33,8 @@ struct PictureGeometry {
     glm::dvec2 place_in_picture(const glm::dvec2& photo_px) const;
 };
 
-// For capture.json: see docs/capture.md. Reading throws Error, or nlohmann's exceptions, where the JSON is
-// not one.
+// For capture.json: see docs/reference/capture-json.md. Reading throws Error, or nlohmann's exceptions, where
+// the JSON is not one.
 nlohmann::json to_json(const PictureGeometry& geometry);
 PictureGeometry geometry_from_json(const nlohmann::json& json);
 

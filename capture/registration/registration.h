@@ -80,8 +80,8 @@ struct Registration {
 // that its listed light explains badly, and another one well, is registered under that; its light stays as
 // listed. Photographs
 // that cannot be registered are left out of a stack that moved, with a warning that names them; in one that
-// did not, only those that show something else. Throws Error where fewer than 4 remain. docs/method.md says
-// how, and what decides that a stack moved.
+// did not, only those that show something else. Throws Error where fewer than 4 remain.
+// docs/theory/registration.md says how, and what decides that a stack moved.
 Registration register_stack(Stack& stack, const PictureCollector& collected, const Transfer& transfer,
                             const Progress& progress = {});
 

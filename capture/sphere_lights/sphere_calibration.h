@@ -78,7 +78,7 @@ void require_same_subject(const PhotoSet& photos, const CameraMotions& drifts);
 SphereCalibration calibrate_from_spheres(const PhotoSet& photos, const SphereCalibrationOptions& options,
                                          const Progress& progress = {});
 
-// capture.json: see docs/capture.md.
+// capture.json: see docs/reference/capture-json.md.
 nlohmann::json to_json(const SphereCalibration& calibration);
 
 }  // namespace tangi

@@ -1,4 +1,5 @@
-// sphere_calibration_json.cpp: to_json(SphereCalibration), the content of capture.json (docs/capture.md).
+// sphere_calibration_json.cpp: to_json(SphereCalibration), the content of capture.json
+// (docs/reference/capture-json.md).
 #include <glm/geometric.hpp>
 
 #include "capture/sphere_lights/sphere_calibration.h"

@@ -66,7 +66,7 @@ nlohmann::json describe(const Surface& s, const HeightUnit& height) {
         {"mm_per_pixel", s.mm_per_pixel},
         {"scale_known", s.scale_known},
         {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
-        {"second_lobe_weight", s.reflectance_model.haze},
+        {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
         {"specular_colour", !s.specular_colour.empty()},
         {"anisotropic_specular", !s.lobe_axes.empty()},
         {"measured_pixels", measured},

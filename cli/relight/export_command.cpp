@@ -104,11 +104,11 @@ std::vector<std::string> lost_to_openlime(const std::string& painting, const Sur
             "OpenLIME's maps cannot hold: they are written as round ones of the same mean "
             "roughness; --to maps keeps them",
             painting));
-    if (surface.reflectance_model.haze > 0)
+    if (surface.reflectance_model.second_lobe_weight > 0)
         lost.push_back(fmt::format(
-            "{}: a part of its gloss, {:.2g}, is a haze of twice the roughness, which OpenLIME's maps "
+            "{}: a part of its gloss, {:.2g}, is a second lobe of twice the roughness, which OpenLIME's maps "
             "cannot hold: highlights are shown narrower than they are; --to maps keeps it",
-            painting, surface.reflectance_model.haze));
+            painting, surface.reflectance_model.second_lobe_weight));
     if (surface.reflectance_model.diffuse_roughness > 0)
         lost.push_back(fmt::format(
             "{}: its matt paint reflects as rough surfaces do (diffuse roughness {:.2g}), which OpenLIME's "

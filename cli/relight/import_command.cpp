@@ -93,7 +93,7 @@ nlohmann::json run_import(const ImportArguments& a) {
              {{"all", report.pixels}, {"measured", report.measured}, {"facing_away", report.facing_away}}},
             {"mm_per_pixel", surface.mm_per_pixel},
             {"scale_known", surface.scale_known},
-            {"second_lobe_weight", surface.reflectance_model.haze},
+            {"second_lobe_weight", surface.reflectance_model.second_lobe_weight},
             {"diffuse_roughness", surface.reflectance_model.diffuse_roughness},
             {"median_tilt_deg", report.median_tilt_deg},
             {"support_tilt_deg", report.support_tilt_deg},
@@ -116,7 +116,8 @@ Command import_command() {
             flags.option(
                 "MAPS", a->folder,
                 "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height, "
-                "lobe, roughness_v, tangent, confidence; maps.json of export --to maps says scale, haze and "
+                "lobe, roughness_v, tangent, confidence; maps.json of export --to maps says scale, second "
+                "lobe and "
                 "diffuse roughness, brdf.json of export --to openlime scale, encoding and limits of alpha");
             flags.option("--out", a->out, "painting file to write (.exr)").required();
             flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");

@@ -200,33 +200,34 @@ nlohmann::json run_quality(const QualityArguments& a) {
 }  // namespace
 
 Command quality_command() {
-    return {
-        "quality", "compare retouches with what is beside them: colour, height, gloss, raking light",
-        [](Flags& flags) {
-            auto a = std::make_shared<QualityArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr) with its retouches");
-            a->area.add_to(flags, "where the retouches are; of a treatment all of them without");
-            flags.option(
-                "--out", a->out,
-                "folder to write: maps of CIEDE2000 (the worst under the illuminants), height and gloss "
-                "against the surroundings, and pictures in raking light");
-            flags.option("--treatment", a->treatment,
-                         "treatment to compare, and log and report it in (docs/retouching.md), instead of "
-                         "PAINTING.exr and --out");
-            a->author.add_to(flags);
-            flags.option("--damaged", a->damaged, "picture, white where there is other damage beside them");
-            flags
-                .option("--illuminants", a->illuminants,
-                        "illuminants to compare under: of A, D50, D65, F11, LED")
-                .show_default();
-            flags
-                .option("--mm-per-pixel", a->mm_per_pixel,
-                        "size of the painting's pixels where the file does not say")
-                .check(within(1e-4, 1e3));
-            flags.fields(a->options);
-            flags.fields(a->options.annulus);
-            return [a] { return run_quality(*a); };
-        }};
+    return {"quality", "compare retouches with what is beside them: colour, height, gloss, raking light",
+            [](Flags& flags) {
+                auto a = std::make_shared<QualityArguments>();
+                flags.option("PAINTING", a->painting, "painting file (.exr) with its retouches");
+                a->area.add_to(flags, "where the retouches are; of a treatment all of them without");
+                flags.option(
+                    "--out", a->out,
+                    "folder to write: maps of CIEDE2000 (the worst under the illuminants), height and gloss "
+                    "against the surroundings, and pictures in raking light");
+                flags.option(
+                    "--treatment", a->treatment,
+                    "treatment to compare, and log and report it in (docs/guide/retouching.md), instead of "
+                    "PAINTING.exr and --out");
+                a->author.add_to(flags);
+                flags.option("--damaged", a->damaged,
+                             "picture, white where there is other damage beside them");
+                flags
+                    .option("--illuminants", a->illuminants,
+                            "illuminants to compare under: of A, D50, D65, F11, LED")
+                    .show_default();
+                flags
+                    .option("--mm-per-pixel", a->mm_per_pixel,
+                            "size of the painting's pixels where the file does not say")
+                    .check(within(1e-4, 1e3));
+                flags.fields(a->options);
+                flags.fields(a->options.annulus);
+                return [a] { return run_quality(*a); };
+            }};
 }
 
 }  // namespace tangi

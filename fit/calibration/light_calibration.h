@@ -90,9 +90,9 @@ struct LightCalibration {
         std::vector<double> located_db;
         PixelScores pixels;  // the same half, pixel by pixel
     };
-    Lighting lighting;                   // lights in the order of stack.photos
-    std::optional<LightModel> lights{};  // where gains were found
-    std::optional<BeamModel> beams{};    // where they were
+    Lighting lighting;                        // lights in the order of stack.photos
+    std::optional<LightModel> light_model{};  // where gains were found
+    std::optional<BeamModel> beams{};         // where they were
     LightingModel model{};
     // Where directions were corrected: of lighting.lights.
     struct Turn {

@@ -18,17 +18,17 @@ constexpr std::size_t kFewestTypical = 100;  // [pixels] with a lobe
 constexpr int kFolds = 4;                    // trials, each with every fourth photograph left out
 constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
-// [sigma] Most varnish and oil paint has haze, all else is rarer.
-constexpr double kSureOfHaze = 1, kSureOfRarer = 2;
-// Haze must predict most of the pixels better: it also stands in for lobes that are anisotropic (half
-// brushed metal, half paint without haze: 0.3, 0.06 where single pixels tell how they are anisotropic;
-// impasto, whose paint is hazy: 0.78 and 0.76). Rough reflection need not: of coin it serves the relief only,
-// 0.43 of the pixels, but held-out photographs gain 2 dB by it.
+// [sigma] Most varnish and oil paint has second lobe, all else is rarer.
+constexpr double kSureOfSecondLobe = 1, kSureOfRarer = 2;
+// A second lobe must predict most of the pixels better: it also stands in for lobes that are anisotropic
+// (half brushed metal, half paint without second lobe: 0.3, 0.06 where single pixels tell how they are
+// anisotropic; impasto, whose paint is hazy: 0.78 and 0.76). Rough reflection need not: of coin it serves the
+// relief only, 0.43 of the pixels, but held-out photographs gain 2 dB by it.
 constexpr double kFewestMarked = 0.01;  // [1] of the sample: a few pixels are noise
 constexpr double kWorth = 0.1;  // [dB] of gain at least: as with lights, what gains less is left as it is
-// [dB] Diffuse roughness is rarer than haze, and a little of it also takes up what one pixel's lobe leaves
-// open, which the second pass of the fit knows better: impasto, whose paint is Lambert's, gains 0.37, with
-// which its height is off by 0.045 mm instead of 0.034.
+// [dB] Diffuse roughness is rarer than second lobe, and a little of it also takes up what one pixel's lobe
+// leaves open, which the second pass of the fit knows better: impasto, whose paint is Lambert's, gains 0.37,
+// with which its height is off by 0.045 mm instead of 0.034.
 constexpr double kWorthOfRoughness = 0.5;
 constexpr double kTrials = 1 + kHazes.size() + kRoughnesses.size();
 
@@ -40,7 +40,7 @@ Lighting lights_alone(const Lighting& lighting, const std::vector<int>& photos) 
 
 // The sample with lobes that are, before any photograph, as wide as its own are on the whole under this law.
 // What a pixel's few lights leave open is the prior's: where that is narrower than the paint's lobes are,
-// haze would stand in for it (generated Ward lobes of 0.32 under 12 lights, prior 0.2: 0.85).
+// second lobe would stand in for it (generated Ward lobes of 0.32 under 12 lights, prior 0.2: 0.85).
 LightSample of_typical_lobes(const LightSample& sample, const Lighting& lighting,
                              const ReflectanceModel& reflectance_model) {
     constexpr int kSteps = 2;            // what is found is drawn to where it starts
@@ -231,7 +231,7 @@ ReflectanceModelSelection select_reflectance_model(const LightSample& sample, co
         best = std::move(least->second);
         choice.reflectance_model = least->first;
     };
-    search(&ReflectanceModel::haze, kHazes, kSureOfHaze, kWorth, kMostPixels);
+    search(&ReflectanceModel::second_lobe_weight, kHazes, kSureOfSecondLobe, kWorth, kMostPixels);
     if (!diffuse_roughness)
         search(&ReflectanceModel::diffuse_roughness, kRoughnesses, kSureOfRarer, kWorthOfRoughness, 0);
     report(progress, "reflectance", 1);
@@ -291,20 +291,22 @@ ReflectanceModelSelection::Stretches summary_of(const LightSample& sample, const
 
 }  // namespace
 
-void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
+void choose_stretches(const LightSample& sample, const Lighting& lighting, bool second_lobe_is_open,
                       ReflectanceModelSelection& choice) {
     if (lighting.lights.size() < kFewestForModel) return;
     const LobeTrial trial = try_stretches(sample, lighting, choice.reflectance_model);
     choice.stretches = summary_of(sample, lighting, trial);
-    if (!choice.stretches.chosen || !haze_is_open || !(choice.reflectance_model.haze > 0)) return;
+    if (!choice.stretches.chosen || !second_lobe_is_open ||
+        !(choice.reflectance_model.second_lobe_weight > 0))
+        return;
     ReflectanceModel sharp = choice.reflectance_model;
-    sharp.haze = 0;
+    sharp.second_lobe_weight = 0;
     const LobeTrial without = try_stretches(sample, lighting, sharp);
     const ReflectanceModelSelection::Stretches stretches = summary_of(sample, lighting, without);
     const WithNoise with_noise{sample, lighting};
-    const bool hazy = with_noise.is_better(trial.whole_db, without.whole_db, kSureOfHaze) &&
-                      trial.pixels.part_better_than(without.pixels) > kMostPixels;
-    if (!stretches.chosen || hazy) return;
+    const bool has_second_lobe = with_noise.is_better(trial.whole_db, without.whole_db, kSureOfSecondLobe) &&
+                                 trial.pixels.part_better_than(without.pixels) > kMostPixels;
+    if (!stretches.chosen || has_second_lobe) return;
     choice.stretches = stretches;
     choice.reflectance_model = sharp;
 }
@@ -313,10 +315,10 @@ nlohmann::json to_json(const ReflectanceModelSelection& choice) {
     nlohmann::json trials = nlohmann::json::array();
     for (const ReflectanceModelSelection::Trial& trial : choice.trials)
         trials.push_back({{"diffuse_roughness", trial.reflectance_model.diffuse_roughness},
-                          {"second_lobe_weight", trial.reflectance_model.haze},
+                          {"second_lobe_weight", trial.reflectance_model.second_lobe_weight},
                           {"psnr_db", trial.cv_psnr_db}});
     return {{"diffuse_roughness", choice.reflectance_model.diffuse_roughness},
-            {"second_lobe_weight", choice.reflectance_model.haze},
+            {"second_lobe_weight", choice.reflectance_model.second_lobe_weight},
             {"cv_psnr_db", trials},
             {"specular_colour",
              {{"chosen", choice.colours.chosen},

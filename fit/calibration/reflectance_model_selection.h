@@ -1,6 +1,6 @@
-// reflectance_model_selection.h: how rough the diffuse reflection of a painting is, how much haze its lobes
-// have (surface/reflectance/ward.h), and whether they have colours and are anisotropic, decided by how well
-// validation photographs are predicted.
+// reflectance_model_selection.h: how rough the diffuse reflection of a painting is, how much second lobe its
+// lobes have (surface/reflectance/ward.h), and whether they have colours and are anisotropic, decided by how
+// well validation photographs are predicted.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -34,11 +34,12 @@ struct ReflectanceModelSelection {
     } stretches{};
 };
 
-// `lighting` has one light for each photograph of the sample's stack. Haze and then diffuse roughness are
-// only believed where they predict photographs better by 0.1 dB more than its standard error (twice that for
-// roughness), the noise to expect of stored values counted as part of every error, haze also only where more
-// than half of the pixels are predicted better; else they are 0, as they are with fewer than 12 photographs.
-// A roughness that is known already is kept. Deterministic for any number of threads.
+// `lighting` has one light for each photograph of the sample's stack. A second lobe and then diffuse
+// roughness are only believed where they predict photographs better by 0.1 dB more than its standard error
+// (twice that for roughness), the noise to expect of stored values counted as part of every error, second
+// lobe also only where more than half of the pixels are predicted better; else they are 0, as they are with
+// fewer than 12 photographs. A roughness that is known already is kept. Deterministic for any number of
+// threads.
 ReflectanceModelSelection select_reflectance_model(const LightSample& sample, const Lighting& lighting,
                                                    const Progress& progress = {},
                                                    const std::optional<double>& diffuse_roughness = {});
@@ -53,11 +54,12 @@ ReflectanceModelSelection::Colours choose_specular_colours(const LightSample& sa
 
 // Whether lobes are anisotropic (anisotropy_estimate.h), by the same test, with white lobes, under the
 // choice's law; sets its stretches. A lobe that is narrow one way and wide the other passes for a hazy one:
-// where lobes are anisotropic, haze (if it is open) is only left where it still predicts photographs better.
-void choose_stretches(const LightSample& sample, const Lighting& lighting, bool haze_is_open,
+// where lobes are anisotropic, second lobe (if it is open) is only left where it still predicts photographs
+// better.
+void choose_stretches(const LightSample& sample, const Lighting& lighting, bool second_lobe_is_open,
                       ReflectanceModelSelection& choice);
 
-// {"diffuse_roughness", "haze", "cv_psnr_db": [{"diffuse_roughness", "haze", "psnr_db"}, …],
+// {"diffuse_roughness", "second lobe", "cv_psnr_db": [{"diffuse_roughness", "second lobe", "psnr_db"}, …],
 //  "coloured_specular": {"chosen", "part", "white_db", "coloured_db"},
 //  "anisotropic_specular": {"chosen", "part", "isotropic_db", "anisotropic_db"}}
 nlohmann::json to_json(const ReflectanceModelSelection& choice);

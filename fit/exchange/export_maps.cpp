@@ -74,7 +74,7 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
                                   {"scale_known", s.scale_known},
                                   {"height_unit", height_unit_of(s.mm_per_pixel, s.scale_known)},
                                   {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
-                                  {"second_lobe_weight", s.reflectance_model.haze},
+                                  {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
                                   {"photography", to_json(exposure_and_camera(s.photography))}};
     write("maps.json", [&](const fs::path& path) { write_text_file(path, about.dump(2) + "\n"); });
     return write.paths;

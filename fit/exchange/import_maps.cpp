@@ -276,7 +276,7 @@ ImportOptions as_described(const fs::path& folder, ImportOptions options) {
         fail("{}: what it says of the photography cannot be read; export the maps again, or take that out",
              path.string());
     }
-    if (!options.haze) options.haze = number("second_lobe_weight", 0, 1);
+    if (!options.second_lobe_weight) options.second_lobe_weight = number("second_lobe_weight", 0, 1);
     if (!options.diffuse_roughness) options.diffuse_roughness = number("diffuse_roughness", 0, 1);
     return options;
 }
@@ -324,7 +324,7 @@ Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportR
     s.scale_known = options.mm_per_pixel.has_value() && options.scale_known;
     s.photography = options.photography;
     s.reflectance_model = {.diffuse_roughness = options.diffuse_roughness.value_or(0),
-                           .haze = options.haze.value_or(0)};
+                           .second_lobe_weight = options.second_lobe_weight.value_or(0)};
     report_.pixels = static_cast<long>(s.height_mm.size());
     report(progress, "read maps", 0.2);
     if (files.specular) {

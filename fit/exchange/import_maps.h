@@ -38,7 +38,7 @@ struct ImportOptions {
     bool normals_y_down = false;                     // green grows downwards (DirectX)
     std::optional<bool> diffuse_srgb{};              // the diffuse map is sRGB-encoded; linear
     double height_range_mm = 1;  // [mm] from 0 to full scale of an integer height map; EXR is in mm
-    std::optional<double> haze{}, diffuse_roughness{};  // [1] as ReflectanceModel's
+    std::optional<double> second_lobe_weight{}, diffuse_roughness{};  // [1] as ReflectanceModel's
     // No flags, but what the maps' description says:
     bool scale_known = true;  // of mm_per_pixel, where that is given
     bool levelled = false;    // the height is above the support already: no plane is taken off it
@@ -65,7 +65,7 @@ struct ImportOptions {
               self.height_range_mm);
         visit(FieldInfo{"second_lobe_weight", 0, 1, "1",
                         "part of the gloss in a lobe of twice the roughness (of maps.json, or 0)"},
-              self.haze);
+              self.second_lobe_weight);
         visit(
             FieldInfo{
                 "diffuse_roughness", 0, 1, "1",

@@ -106,7 +106,7 @@ double bulge_deg(const Surface& surface) {
 // Held-out photographs get the light that the others make likely.
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     photography.rig = calibration.lighting.rig;
-    photography.lights = calibration.lights;
+    photography.light_model = calibration.light_model;
     photography.beams = calibration.beams;
     const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
         photography.photos.push_back({light, fitted, photo.homography});
@@ -122,18 +122,19 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
         add(in_colour(calibration.lighting.lights[i]), true, stack.photos[i]);
     const Photography fitted = photography;
     const std::vector<Light>& lights = calibration.lighting.lights;  // in the order of their paths
-    const ShotOrder order = photography.lights ? fit_shot_order(*photography.lights, lights) : ShotOrder{};
+    const ShotOrder order =
+        photography.light_model ? fit_shot_order(*photography.light_model, lights) : ShotOrder{};
     for (const StackPhoto& photo : stack.held_out) {
         Light light = photo.light;
         light.direction = corrected_direction(calibration, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         Light photographed = as_photographed(light, fitted);
-        if (photography.lights) {
+        if (photography.light_model) {
             const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
                                               [&](const StackPhoto& p) { return p.path < photo.path; });
             photographed.gain =
-                static_cast<float>(predicted_gain(order, *photography.lights, lights, photographed.direction,
-                                                  static_cast<int>(before))) *
+                static_cast<float>(predicted_gain(order, *photography.light_model, lights,
+                                                  photographed.direction, static_cast<int>(before))) *
                 (photographed.gain / photographed.gain.g);
         }
         add(photographed, false, photo);
@@ -154,12 +155,14 @@ LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighti
                                const FitOptions& options, const std::optional<double>& diffuse_roughness,
                                ReflectanceModelSelection& choice, const Progress& progress) {
     const bool open = !options.lights_as_given;
-    if (open && (!options.diffuse_roughness || !options.haze))
+    if (open && (!options.diffuse_roughness || !options.second_lobe_weight))
         choice = select_reflectance_model(sample, lighting, progress, diffuse_roughness);
     choice.reflectance_model = {
         .diffuse_roughness = options.diffuse_roughness.value_or(choice.reflectance_model.diffuse_roughness),
-        .haze = options.haze.value_or(choice.reflectance_model.haze)};
-    if (open && !options.anisotropic_specular) choose_stretches(sample, lighting, !options.haze, choice);
+        .second_lobe_weight =
+            options.second_lobe_weight.value_or(choice.reflectance_model.second_lobe_weight)};
+    if (open && !options.anisotropic_specular)
+        choose_stretches(sample, lighting, !options.second_lobe_weight, choice);
     const bool anisotropic =
         options.anisotropic_specular ? *options.anisotropic_specular > 0 : choice.stretches.chosen;
     if (open && !options.coloured_specular && channels == 3)

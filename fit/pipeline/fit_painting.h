@@ -37,7 +37,7 @@ struct FitOptions {
     bool register_photos = true;    // find out whether the camera moved, and undo it
     bool lights_as_given = false;   // distant lights of equal strength, as a lights file describes them
     // Of the whole painting; where empty, what predicts validation photographs best.
-    std::optional<double> diffuse_roughness{}, haze{};
+    std::optional<double> diffuse_roughness{}, second_lobe_weight{};
     std::optional<int> coloured_specular{};     // 1: lobes may have colours; 0: all are white; likewise
     std::optional<int> anisotropic_specular{};  // 1: lobes may be anisotropic; 0: all are isotropic; likewise
     Solver solver = Solver::batch;
@@ -66,7 +66,7 @@ struct FitOptions {
         visit(
             FieldInfo{"second_lobe_weight", 0, 1, "1",
                       "part of the lobe in a wider one, of the whole painting (else the photographs decide)"},
-            self.haze);
+            self.second_lobe_weight);
         visit(FieldInfo{"specular_colour", 0, 1, "1",
                         "1: lobes may have colours, as those of metal; 0: all are white (else the "
                         "photographs decide)"},

@@ -100,16 +100,17 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             left = fma(counted, over, left);
             square = fma(counted, counted, square);
         }
-        // The haze is twice as wide: two powers before.
+        // The second lobe is twice as wide: two powers before.
         V power[kPowers];
         power[0] = exp_negative(hn::Mul(g.tan2, all(-0.25f * kWidestInverse2)));
         for (int k = 1; k < kPowers; ++k) power[k] = squared(power[k - 1]);
         const V core = hn::Mul(shape, reflectance_model.core),
-                haze = hn::Mul(shape, hn::Mul(reflectance_model.haze, all(0.25f)));
+                second_lobe_weight =
+                    hn::Mul(shape, hn::Mul(reflectance_model.second_lobe_weight, all(0.25f)));
         for (int k = 0; k < kWidths; ++k) {
             const int wide = kPower[static_cast<std::size_t>(k)];
             V lobe = hn::Mul(core, power[wide + 2]);
-            if (reflectance_model.hazy) lobe = fma(haze, power[wide], lobe);
+            if (reflectance_model.has_second_lobe) lobe = fma(second_lobe_weight, power[wide], lobe);
             lobe = hn::Mul(lobe, all(kWidestInverse2 * static_cast<float>(1 << wide)));
             store(lobe, grey[i].reuse[k], at);
             numerator[k] = fma(lobe, left, numerator[k]);

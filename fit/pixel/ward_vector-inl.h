@@ -111,15 +111,16 @@ HWY_INLINE V stretch_derivative(const Shape& shape, const Facing& f, const Geome
 
 // The reflectance model of surface/reflectance/ward.h on all lanes.
 struct LaneModel {
-    bool rough, hazy;
-    V roughness, scale;  // of the diffuse reflection, as rough_diffuse() has them
-    V core, haze;        // parts of the lobe
+    bool rough, has_second_lobe;
+    V roughness, scale;          // of the diffuse reflection, as rough_diffuse() has them
+    V core, second_lobe_weight;  // parts of the lobe
 };
 HWY_INLINE LaneModel reflectance_model_of(const ReflectanceModel& reflectance_model) {
     const auto roughness = static_cast<float>(reflectance_model.diffuse_roughness),
-               haze = static_cast<float>(reflectance_model.haze);
+               second_lobe_weight = static_cast<float>(reflectance_model.second_lobe_weight);
     const float scale = 1 / (1 + (0.5f - 2 / (3 * std::numbers::pi_v<float>)) * roughness);
-    return {roughness > 0, haze > 0, all(roughness), all(scale), all(1 - haze), all(haze)};
+    return {roughness > 0, second_lobe_weight > 0,      all(roughness),
+            all(scale),    all(1 - second_lobe_weight), all(second_lobe_weight)};
 }
 
 // rough_diffuse() of surface/reflectance/oren_nayar.h; of any use only where the light is above the surface.
@@ -142,18 +143,20 @@ HWY_INLINE Diffuse rough_diffuse(const LaneModel& reflectance_model, V n_l, V n_
             hn::Mul(hn::Mul(reflectance_model.scale, rough_n_l), by_n_v)};
 }
 
-// The Gaussians of lobe and haze times their parts, before `shape`. The haze is twice as wide, so that its
-// exponential is the fourth root of the core's.
-static_assert(kHazeWidth == 2);
+// The Gaussians of lobe and second lobe times their parts, before `shape`. The second lobe is twice as wide,
+// so that its exponential is the fourth root of the core's.
+static_assert(kSecondLobeWidth == 2);
 struct Gaussians {
-    V core, haze;  // haze: of any use only where there is some
+    V core, second_lobe_weight;  // second lobe: of any use only where there is some
 };
 HWY_INLINE Gaussians gaussians(const LaneModel& reflectance_model, V tan2, V inverse_alpha2) {
     const V exponent = hn::Neg(hn::Mul(tan2, inverse_alpha2));
-    if (!reflectance_model.hazy) return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
+    if (!reflectance_model.has_second_lobe)
+        return {hn::Mul(exp_negative(exponent), inverse_alpha2), inverse_alpha2};
     const V root = exp_negative(hn::Mul(exponent, all(0.25f)));
-    return {hn::Mul(hn::Mul(squared(squared(root)), inverse_alpha2), reflectance_model.core),
-            hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), reflectance_model.haze)};
+    return {
+        hn::Mul(hn::Mul(squared(squared(root)), inverse_alpha2), reflectance_model.core),
+        hn::Mul(hn::Mul(root, hn::Mul(inverse_alpha2, all(0.25f))), reflectance_model.second_lobe_weight)};
 }
 
 // ward_terms() of ward_residual.h: the model but for rho_d and rho_s, and its derivatives by slope x, slope y
@@ -176,8 +179,9 @@ HWY_INLINE Terms ward_terms(const LaneModel& reflectance_model, const Facing& f,
     V by_h_n = hn::Mul(lobe, hn::MulSub(ratio2, inverse_alpha2, all(4)));
     V by_ln_alpha = hn::Mul(lobe, hn::MulSub(g.tan2, inverse_alpha2, all(1)));
     V by_tan2 = hn::Mul(lobe, inverse_alpha2);  // less than 0: its absolute value
-    if (reflectance_model.hazy) {
-        const V wide = hn::Mul(gauss.haze, g.shape), inverse_width2 = hn::Mul(inverse_alpha2, all(0.25f));
+    if (reflectance_model.has_second_lobe) {
+        const V wide = hn::Mul(gauss.second_lobe_weight, g.shape),
+                inverse_width2 = hn::Mul(inverse_alpha2, all(0.25f));
         lobe = hn::Add(lobe, wide);
         by_tan2 = fma(wide, inverse_width2, by_tan2);
         by_h_n = fma(wide, hn::MulSub(ratio2, inverse_width2, all(4)), by_h_n);

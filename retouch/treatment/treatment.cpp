@@ -73,7 +73,7 @@ namespace {
 // its photographs' illuminants.
 std::string sha256_of_what_is_known(const Surface& surface) {
     const json about = {
-        {"law", {surface.reflectance_model.diffuse_roughness, surface.reflectance_model.haze}},
+        {"law", {surface.reflectance_model.diffuse_roughness, surface.reflectance_model.second_lobe_weight}},
         {"photography", to_json(surface.photography)}};
     const std::string text = about.dump();
     Sha256 sha;

@@ -17,7 +17,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kRenamed 
     {"haze", "second_lobe_weight"},
     {"lamp_distance_mm", "light_distance_mm"},
     {"lamp_radius_deg", "light_radius_deg"},
-    {"lamps", "lights"},
+    {"lamps", "light_model"},
     {"left_out", "cross_validated"},
 }};
 

@@ -82,7 +82,7 @@ json to_json(const Photography& photography) {
                      {"bend_per_mm", rig.bend_per_mm},
                      {"light_radius_deg", rig.light_radius_deg}}}};
     if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
-    if (photography.lights) result["lights"] = to_json(*photography.lights);
+    if (photography.light_model) result["light_model"] = to_json(*photography.light_model);
     if (const auto& beams = photography.beams) {
         json terms = json::array();
         for (const LightModel& term : beams->terms) terms.push_back(to_json(term));
@@ -141,7 +141,7 @@ Photography photography_from_json(const json& written) {
         const double size = glm::determinant(*photography.to_camera);
         if (!(std::abs(size) > 1e-9 && std::abs(size) < 1e9)) fail("to_camera has no inverse");
     }
-    if (j.contains("lights")) photography.lights = light_model_of(j.at("lights"));
+    if (j.contains("light_model")) photography.light_model = light_model_of(j.at("light_model"));
     if (j.contains("beams")) {
         photography.beams.emplace();
         photography.beams->radius_mm = j["beams"].at("radius_mm").get<double>();

@@ -73,8 +73,8 @@ Light as_photographed(const Light& light, const Photography& photography) {
     for (const Photography::Photo& photo : photography.photos)
         if (photo.fitted) fitted.push_back(photo.light);
     if (!result.position_mm) place(result, photography.rig);
-    if (photography.lights)
-        result.gain = static_cast<float>(predicted_gain(*photography.lights, fitted, result.direction)) *
+    if (photography.light_model)
+        result.gain = static_cast<float>(predicted_gain(*photography.light_model, fitted, result.direction)) *
                       predicted_colour(fitted, result.direction);
     if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, result.direction);
     return result;

@@ -1,7 +1,7 @@
 // surface.h: the noun of the toolkit: a painting as per-pixel maps of shape and reflectance.
 //
 // Frame: x right, y up, z towards the viewer, origin at the centre of the picture; rows run downwards, so y =
-// -row. docs/quantities.md defines every map: symbol, unit, frame, range.
+// -row. docs/reference/quantities.md defines every map: symbol, unit, frame, range.
 #pragma once
 
 #include <optional>
@@ -35,8 +35,8 @@ struct Photography {
     double white_level = 1;  // [1] linear pixel value of a matt white that faces a light of gain 1
     std::vector<Photo> photos;
     Rig rig;
-    std::optional<LightModel> lights{};  // of the fitted photographs; empty where lights count as equal
-    std::optional<BeamModel> beams{};    // likewise; empty where they count as even
+    std::optional<LightModel> light_model{};  // of the fitted photographs; empty where lights count as equal
+    std::optional<BeamModel> beams{};         // likewise; empty where they count as even
     // Linear Rec. 709 -> the photographs' linear channels, white balance included, where a colour chart told;
     // the same where empty.
     std::optional<glm::dmat3> to_camera{};

@@ -153,7 +153,7 @@ std::optional<Overview> read(const fs::path& path) {
         info.height = small.max.y + 1;
         mm_per_pixel = attribute<Imf::FloatAttribute>(*dry, "mm_per_pixel", 1.0f);
         reflectance_model.diffuse_roughness = attribute<Imf::DoubleAttribute>(*dry, "diffuse_roughness", 0.0);
-        reflectance_model.haze = attribute<Imf::DoubleAttribute>(*dry, "haze", 0.0);
+        reflectance_model.second_lobe_weight = second_lobe_weight_of<Imf::DoubleAttribute>(*dry);
     }
     if (info.width < 1 || info.height < 1 || info.width > kSide || info.height > kSide) return {};
     overview.surface = Surface(info.width, info.height);

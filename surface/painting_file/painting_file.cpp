@@ -134,7 +134,7 @@ Imf::Header header_of(const Surface& s) {
         header.channels().insert(c.name, Imf::Channel(Imf::FLOAT));
     header.insert("mm_per_pixel", Imf::FloatAttribute(static_cast<float>(s.mm_per_pixel)));
     for (const auto& [name, value] : {std::pair("diffuse_roughness", s.reflectance_model.diffuse_roughness),
-                                      {"haze", s.reflectance_model.haze}})
+                                      {"second_lobe_weight", s.reflectance_model.second_lobe_weight}})
         if (value != 0) header.insert(name, Imf::DoubleAttribute(value));
     header.insert("scale_known", Imf::IntAttribute(s.scale_known ? 1 : 0));
     header.insert("photography", Imf::StringAttribute(utf8_of(to_json(s.photography))));
@@ -266,9 +266,9 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
     s.reflectance_model.diffuse_roughness = attribute<Imf::DoubleAttribute>(header, "diffuse_roughness", 0.0);
-    s.reflectance_model.haze = attribute<Imf::DoubleAttribute>(header, "haze", 0.0);
+    s.reflectance_model.second_lobe_weight = second_lobe_weight_of<Imf::DoubleAttribute>(header);
     for (const auto& [name, value] : {std::pair("diffuse_roughness", s.reflectance_model.diffuse_roughness),
-                                      {"haze", s.reflectance_model.haze}})
+                                      {"second_lobe_weight", s.reflectance_model.second_lobe_weight}})
         if (!(value >= 0 && value <= 1)) fail("{}: {} = {} is not from 0 to 1", path.string(), name, value);
     s.scale_known = attribute<Imf::IntAttribute>(header, "scale_known", 0) != 0;
     s.provenance = attribute<Imf::StringAttribute>(header, "provenance", std::string());

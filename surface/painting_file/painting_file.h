@@ -3,7 +3,7 @@
 // Channels (32-bit float): height [mm], normal.X/Y/Z, diffuse.R/G/B, specular, roughness, confidence,
 // and lobe.R/G/B where lobes have colours, roughness.V and tangent where they are anisotropic. Attributes:
 // mm_per_pixel, scale_known, photography (JSON),
-// provenance (JSON), dry_hash. docs/quantities.md has all.
+// provenance (JSON), dry_hash. docs/reference/quantities.md has all.
 #pragma once
 
 #include <filesystem>

@@ -2,7 +2,7 @@
 // there.
 //
 // Channels are 32-bit float, or 16-bit where a part says so; attributes are text. Which parts there are, and
-// what they mean, their modules say (docs/quantities.md).
+// what they mean, their modules say (docs/reference/quantities.md).
 #pragma once
 
 #include <filesystem>

@@ -84,14 +84,17 @@ inline void add_axes(const Vec3& n, const Vec3& h, float tangent, WardAngles<flo
     angles.h_b = cosine * h_2 - sine * h_1;
 }
 
-// Lobe and haze of a pixel whose alpha is `roughness`, in directions of the surface frame.
+// Lobe and second lobe of a pixel whose alpha is `roughness`, in directions of the surface frame.
 inline float anisotropic_lobe(WardModel model, WardAngles<float> angles, const Vec3& n, const Vec3& h,
-                              float roughness, const LobeAxes& axes, float haze) {
+                              float roughness, const LobeAxes& axes, float second_lobe_weight) {
     add_axes(n, h, axes.tangent, angles);
     const float across = axes.roughness_v, along = roughness * roughness / across;
     const float core = ward_lobe(model, angles, along, across);
-    constexpr auto wide = static_cast<float>(kHazeWidth);
-    return haze > 0 ? (1 - haze) * core + haze * ward_lobe(model, angles, wide * along, wide * across) : core;
+    constexpr auto wide = static_cast<float>(kSecondLobeWidth);
+    return second_lobe_weight > 0
+               ? (1 - second_lobe_weight) * core +
+                     second_lobe_weight * ward_lobe(model, angles, wide * along, wide * across)
+               : core;
 }
 
 }  // namespace tangi

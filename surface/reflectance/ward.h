@@ -90,19 +90,22 @@ T ward_lobe(WardModel model, const WardAngles<T>& a, T alpha_x, T alpha_y) {
 // What all pixels of a painting share of its reflectance, beside the lobes of their own.
 struct ReflectanceModel {
     double diffuse_roughness = 0;  // [1] 0 (Lambert's law) .. 1: sigma of surface/reflectance/oren_nayar.h
-    // [1] 0 .. 1: part of rho_s that is in a wider lobe of kHazeWidth alpha. Varnish and oil paint have a
-    // bright core and a faint wide halo, which no single Gaussian has (Ngan, Durand & Matusik 2005, sec. 4).
-    double haze = 0;
+    // [1] 0 .. 1: part of rho_s that is in a wider lobe of kSecondLobeWidth alpha. Varnish and oil paint have
+    // a bright core and a faint wide halo, which no single Gaussian has (Ngan, Durand & Matusik 2005, sec.
+    // 4).
+    double second_lobe_weight = 0;
 
     friend bool operator==(const ReflectanceModel&, const ReflectanceModel&) = default;
 };
-constexpr double kHazeWidth = 2;  // [1]
+constexpr double kSecondLobeWidth = 2;  // [1]
 
-// The isotropic lobe and its haze: at most rho_s in all, as each part is.
+// The isotropic lobe and its second lobe: at most rho_s in all, as each part is.
 template <class T>
-T hazy_lobe(WardModel model, const WardAngles<T>& a, T alpha, T haze) {
+T hazy_lobe(WardModel model, const WardAngles<T>& a, T alpha, T second_lobe_weight) {
     const T core = ward_lobe(model, a, alpha);
-    return haze > 0 ? (1 - haze) * core + haze * ward_lobe(model, a, T(kHazeWidth) * alpha) : core;
+    return second_lobe_weight > 0 ? (1 - second_lobe_weight) * core +
+                                        second_lobe_weight * ward_lobe(model, a, T(kSecondLobeWidth) * alpha)
+                                  : core;
 }
 
 // The angles between unit vectors n, l, v.

@@ -1,5 +1,5 @@
 // host_services.h: what the window has done for it by parts of the program that the viewer may not use; cli/
-// fills it (docs/architecture.md).
+// fills it (docs/developer/architecture.md).
 #pragma once
 
 #include <filesystem>

@@ -20,7 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr float kPaintRoom_mm = 20;                             // what can stand on a painting
-constexpr const char* kErrorsPart = "errors";                   // docs/quantities.md
+constexpr const char* kErrorsPart = "errors";                   // docs/reference/quantities.md
 constexpr auto kBeforeShowing = std::chrono::milliseconds(25);  // of painting, at most
 constexpr std::size_t kSettledAtOnce = 4;                       // [tiles] a few milliseconds
 constexpr auto kBetweenSettled = std::chrono::milliseconds(5);

@@ -32,8 +32,8 @@
 
 namespace tangi {
 
-// How far a pixel's maps may be off where the painting was fitted (the part `errors`, docs/quantities.md); 0
-// where it is not known.
+// How far a pixel's maps may be off where the painting was fitted (the part `errors`,
+// docs/reference/quantities.md); 0 where it is not known.
 struct StandardErrors {
     float slope = 0, diffuse = 0, specular = 0, roughness = 0;
     float height_mm = 0;  // of relief within some 30 pixels

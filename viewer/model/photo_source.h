@@ -1,7 +1,7 @@
 // photo_source.h: photographs to hold against the painting, as the window wants them.
 //
 // Who relights and measures is not the viewer's business: cli/ makes a book of capture/ and fit/, which the
-// viewer may not use (docs/architecture.md), and hands it to the window.
+// viewer may not use (docs/developer/architecture.md), and hands it to the window.
 #pragma once
 
 #include <filesystem>

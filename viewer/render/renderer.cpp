@@ -196,7 +196,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     u.set("u_beam", beams);
     u.set("u_beam_curved", curved_beams);
     u.set("u_reflectance_model",
-          glm::vec2(scene.reflectance_model.diffuse_roughness, scene.reflectance_model.haze));
+          glm::vec2(scene.reflectance_model.diffuse_roughness, scene.reflectance_model.second_lobe_weight));
     u.set("u_bend", scene.rig.bend_per_mm);
     u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
     u.set("u_highest", range.height_max_mm);

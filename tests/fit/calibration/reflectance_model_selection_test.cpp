@@ -55,8 +55,9 @@ FitResult fitted(const ReflectanceModel& reflectance_model, const FitOptions& op
     return fitted(waves(reflectance_model), 30, options);
 }
 
-// A few lights leave much of a lobe to what is taken for likely: haze must not stand in for a wider one.
-TEST(ReflectanceModelSelection, OfAFewLightsFindsNoHazeWhereLobesAreWide) {
+// A few lights leave much of a lobe to what is taken for likely: second lobe must not stand in for a wider
+// one.
+TEST(ReflectanceModelSelection, OfAFewLightsFindsNoSecondLobeWhereLobesAreWide) {
     const ReflectanceModelSelection choice =
         fitted(waves({}, 0.33f), 12, {.refine = false}).report.reflectance_model;
     EXPECT_EQ(choice.reflectance_model, ReflectanceModel{});
@@ -72,19 +73,21 @@ TEST(ReflectanceModelSelection, FindsNoneWhereLambertAndOneLobeAreTrue) {
 TEST(ReflectanceModelSelection, FindsRoughDiffuseReflection) {
     const FitResult fit = fitted({.diffuse_roughness = 0.5});
     EXPECT_NEAR(fit.report.reflectance_model.reflectance_model.diffuse_roughness, 0.5, 0.21);
-    EXPECT_EQ(fit.report.reflectance_model.reflectance_model.haze, 0);
+    EXPECT_EQ(fit.report.reflectance_model.reflectance_model.second_lobe_weight, 0);
     EXPECT_EQ(fit.surface.reflectance_model, fit.report.reflectance_model.reflectance_model);
 }
 
-TEST(ReflectanceModelSelection, FindsHaze) {
-    const ReflectanceModelSelection choice = fitted({.haze = 0.6}).report.reflectance_model;
-    EXPECT_EQ(choice.reflectance_model.haze, 0.6);
+TEST(ReflectanceModelSelection, FindsASecondLobe) {
+    const ReflectanceModelSelection choice = fitted({.second_lobe_weight = 0.6}).report.reflectance_model;
+    EXPECT_EQ(choice.reflectance_model.second_lobe_weight, 0.6);
     EXPECT_LE(choice.reflectance_model.diffuse_roughness, 0.15);
 }
 
 TEST(ReflectanceModelSelection, LeavesWhatIsGiven) {
-    const FitResult fit = fitted({.haze = 0.6}, {.diffuse_roughness = 0.3, .haze = 0.1, .refine = false});
-    EXPECT_EQ(fit.surface.reflectance_model, (ReflectanceModel{.diffuse_roughness = 0.3, .haze = 0.1}));
+    const FitResult fit = fitted({.second_lobe_weight = 0.6},
+                                 {.diffuse_roughness = 0.3, .second_lobe_weight = 0.1, .refine = false});
+    EXPECT_EQ(fit.surface.reflectance_model,
+              (ReflectanceModel{.diffuse_roughness = 0.3, .second_lobe_weight = 0.1}));
     EXPECT_TRUE(fit.report.reflectance_model.trials.empty());
 }
 

@@ -88,7 +88,7 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
     const TestDir dir;
     for (const bool scale_known : {true, false}) {
         Surface s = example_surface();
-        s.reflectance_model = {.diffuse_roughness = 0.7, .haze = 0.6};
+        s.reflectance_model = {.diffuse_roughness = 0.7, .second_lobe_weight = 0.6};
         s.scale_known = scale_known;
         s.photography.white_level = 0.4;
         s.photography.rig = {.ambient = 0.1f, .camera_distance_mm = 40.0f};
@@ -118,18 +118,19 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
                                     relight(s, lights, {.cast_shadows = true}), 1e-4));
         }
     }
-    const ImportOptions own = as_described(dir.path(), {.mm_per_pixel = 2, .haze = 0});
+    const ImportOptions own = as_described(dir.path(), {.mm_per_pixel = 2, .second_lobe_weight = 0});
     EXPECT_EQ(own.mm_per_pixel, 2);
     EXPECT_TRUE(own.scale_known);
-    EXPECT_EQ(own.haze, 0);
+    EXPECT_EQ(own.second_lobe_weight, 0);
     write_text_file(dir / "maps.json", "{\"scale_known\": false, \"photography\": 7}");
     EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json"));
-    write_text_file(dir / "maps.json", "{\"haze\": 0.5}");  // of another program
-    EXPECT_FALSE(as_described(dir.path(), {}).haze);
+    write_text_file(dir / "maps.json", "{\"second lobe\": 0.5}");  // of another program
+    EXPECT_FALSE(as_described(dir.path(), {}).second_lobe_weight);
     for (const auto& [text, named] :
-         {std::pair("{", "not JSON"), std::pair("{\"scale_known\": true, \"haze\": 7}", "haze = 7"),
+         {std::pair("{", "not JSON"),
+          std::pair("{\"scale_known\": true, \"second lobe\": 7}", "second lobe = 7"),
           std::pair("{\"scale_known\": true, \"mm_per_pixel\": -3}", "mm_per_pixel = -3"),
-          std::pair("{\"scale_known\": true, \"haze\": \"x\"}", "haze = \"x\"")}) {
+          std::pair("{\"scale_known\": true, \"second lobe\": \"x\"}", "second lobe = \"x\"")}) {
         write_text_file(dir / "maps.json", text);
         EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json: ")) << text;
         EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr(named)) << text;

@@ -64,7 +64,7 @@ TEST(DrawnOutLobe, DerivativesAreThoseOfCentralDifferences) {
         const Metal is = random_metal(random, trial < 50 ? random.uniform(0, 1) : 1e-5 * trial);
         PixelSamples s = samples_of(random_metal(random, 0.5), random, 12);
         s.view = glm::normalize(glm::dvec3(random.direction(0.9)));
-        const WardResiduals residuals(s, {}, 3, {.haze = trial % 2 ? 0.4 : 0});
+        const WardResiduals residuals(s, {}, 3, {.second_lobe_weight = trial % 2 ? 0.4 : 0});
         const auto rows = static_cast<std::size_t>(residuals.size());
         const auto at = [&](std::size_t column, double step) {
             std::vector<double> r(rows);
@@ -101,7 +101,7 @@ TEST(DrawnOutLobe, IsThatOfTheReferenceRenderer) {
         s.specular(0, 0) = static_cast<float>(m.specular);
         s.roughness(0, 0) = static_cast<float>(m.alpha);
         s.lobe_axes = Image<LobeAxes>(1, 1, axes_of(Stretch(m.stretch), static_cast<float>(m.alpha)));
-        s.reflectance_model.haze = 0.3;
+        s.reflectance_model.second_lobe_weight = 0.3;
         const Vec3 light = random.direction(0.1), view = random.direction(0.8);
         const WardTerms t = ward_terms(vector_of(m).data(), glm::dvec3(light), glm::dvec3(view),
                                        s.reflectance_model, m.stretch);
@@ -122,7 +122,7 @@ WardPrior prior_with(const glm::dvec2& stretch) {
 TEST(DrawnOutLobe, BatchesFindWhatCeresFinds) {
     Random random(3);
     WardFitOptions options;
-    options.reflectance_model.haze = 0.3;
+    options.reflectance_model.second_lobe_weight = 0.3;
     WardFitter ceres(options);
     WardBatchFitter batches(options);
     constexpr int kCount = 64;
@@ -284,7 +284,7 @@ TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLightsAsTheyAre) {
         // Turns of 20 degrees and other strengths explain brushed metal better than no stretch does.
         EXPECT_EQ(fit.report.lights.model, LightingModel{}) << name_of(fit.report.lights.model);
         EXPECT_TRUE(fit.report.reflectance_model.stretches.chosen);
-        EXPECT_EQ(fit.report.reflectance_model.reflectance_model.haze, 0);
+        EXPECT_EQ(fit.report.reflectance_model.reflectance_model.second_lobe_weight, 0);
         EXPECT_GT(fit.report.reflectance_model.stretches.anisotropic_db,
                   fit.report.reflectance_model.stretches.isotropic_db + 1);
         ASSERT_FALSE(fit.surface.lobe_axes.empty());

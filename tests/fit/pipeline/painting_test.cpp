@@ -156,7 +156,7 @@ TEST(FitPainting, BandsAreInvisible) {
     ASSERT_GT(rows, 310 + 10);
     ASSERT_LT(rows, 372 - 10);
     // The crop has another sample to choose the law from, and no neighbours for a second pass.
-    const FitOptions once{.diffuse_roughness = 0, .haze = 0, .refine = false};
+    const FitOptions once{.diffuse_roughness = 0, .second_lobe_weight = 0, .refine = false};
     const Surface two = fit_painting(whole, once).surface;
     StackOptions cropped = linear;
     cropped.crop = Region{80, 310, 100, 372};

@@ -32,7 +32,7 @@ Stack object_stack(const fs::path& spheres, const std::string& object, const Tes
 // The sphere is not matt as Lambert's: light by cosine is 20 % more at 80 degrees than below 50, by all
 // lights, and the lights are 1.5 degrees from where the chrome sphere showed them. 12 photographs are too few
 // for the fit to find out either by those left out; together, within what the chrome sphere leaves open, all
-// of them tell both (docs/method.md).
+// of them tell both (docs/theory/light-calibration.md).
 double error_of_grey_sphere_deg(const std::filesystem::path& folder, const FitOptions& options) {
     const TestDir out;
     Stack stack = object_stack(folder, "gray", out);

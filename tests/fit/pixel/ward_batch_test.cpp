@@ -94,10 +94,10 @@ TEST_P(WardBatchFit, FindsWhatWardFitterFinds) { expect_agreement(some_pixels(40
 
 TEST_P(WardBatchFit, FindsItForGreyPhotographs) { expect_agreement(some_pixels(101, 1), plain_options()); }
 
-TEST_P(WardBatchFit, FindsItWithModelErrorRoughDiffuseReflectionAndHaze) {
+TEST_P(WardBatchFit, FindsItWithModelErrorRoughDiffuseReflectionAndSecondLobe) {
     WardFitOptions options;
     options.model_error = 0.05;
-    options.reflectance_model = {.diffuse_roughness = 0.4, .haze = 0.3};
+    options.reflectance_model = {.diffuse_roughness = 0.4, .second_lobe_weight = 0.3};
     // sigma has the model's error in it once already: costs are compared where the fitter's own adds nothing.
     options.model_error = 0;
     expect_agreement(some_pixels(101, 3), options);

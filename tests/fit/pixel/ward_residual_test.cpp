@@ -247,7 +247,7 @@ TEST(WardResiduals, DerivativesHoldForEveryLaw) {
     for (int trial = 0; trial < 100; ++trial) {
         const PixelSamples samples = random_samples(random, 12, 3);
         const ReflectanceModel reflectance_model{.diffuse_roughness = random.uniform(0, 1),
-                                                 .haze = random.uniform(0, 1)};
+                                                 .second_lobe_weight = random.uniform(0, 1)};
         const WardResiduals residuals(samples, {}, kRobustScale, reflectance_model);
         // A light as far from the normal as the camera, to 1e-6, would be at a kink; none of these is.
         EXPECT_LT(worst_difference(residuals, random_parameters(random)), kDifferenceError) << trial;
@@ -323,7 +323,8 @@ TEST(WardTerms, AgreeWithTheRendererForEveryLaw) {
     for (int trial = 0; trial < 500; ++trial) {
         const WardVector theta = random_parameters(random, 0.08);
         Surface s(1, 1);
-        s.reflectance_model = {.diffuse_roughness = random.uniform(0, 1), .haze = random.uniform(0, 1)};
+        s.reflectance_model = {.diffuse_roughness = random.uniform(0, 1),
+                               .second_lobe_weight = random.uniform(0, 1)};
         s.normal(0, 0) = Vec3(normal_at(theta));
         s.diffuse(0, 0) = Rgb(theta[4], theta[5], theta[6]);
         s.specular(0, 0) = static_cast<float>(theta[3]);

@@ -10,7 +10,7 @@ namespace {
 TEST(CliMaps, TheWholeLawGoesOutAndComesBack) {
     const TinyStack stack;
     Surface s = read_painting(stack.truth());
-    s.reflectance_model = {.diffuse_roughness = 0.4, .haze = 0.6};
+    s.reflectance_model = {.diffuse_roughness = 0.4, .second_lobe_weight = 0.6};
     write_painting(stack.out("hazy.exr"), s);
     const auto exported = [&](const std::string& to) {
         return tangipaint({"export", stack.out("hazy.exr"), "--to", to, "--out", stack.out(to)});
@@ -23,7 +23,8 @@ TEST(CliMaps, TheWholeLawGoesOutAndComesBack) {
     ASSERT_TRUE(ended(tangipaint({"import", stack.out("maps"), "--second-lobe-weight", "0.1",
                                   "--diffuse-roughness", "0", "--out", stack.out("other.exr")}),
                       0));
-    EXPECT_EQ(read_painting(stack.out("other.exr")).reflectance_model, (ReflectanceModel{.haze = 0.1}));
+    EXPECT_EQ(read_painting(stack.out("other.exr")).reflectance_model,
+              (ReflectanceModel{.second_lobe_weight = 0.1}));
     std::vector<Image<Rgb>> pictures;
     for (const char* painting : {"hazy.exr", "back.exr"}) {
         ASSERT_TRUE(ended(tangipaint({"relight", stack.out(painting), "--light", "0.3,0.2,0.9", "--encoding",

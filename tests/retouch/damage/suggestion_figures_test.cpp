@@ -1,5 +1,5 @@
 // suggestion_figures_test.cpp: how often areas are suggested rightly: the table of
-// docs/retouching.md. Takes minutes, so it runs only when asked for: retouch_tests
+// docs/validation/retouching.md. Takes minutes, so it runs only when asked for: retouch_tests
 // --gtest_also_run_disabled_tests --gtest_filter='*Figures*'
 #include <gtest/gtest.h>
 

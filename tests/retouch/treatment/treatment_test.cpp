@@ -84,7 +84,7 @@ TEST_F(TreatmentFolder, ALawOfReflectanceThatWasChangedIsNoticed) {
     const Treatment treatment = begin();
     EXPECT_THAT(treatment.check(), IsEmpty());
     Surface surface = read_painting(treatment.painting());
-    surface.reflectance_model.haze = 0.6;
+    surface.reflectance_model.second_lobe_weight = 0.6;
     write_painting(treatment.painting(), surface);
     EXPECT_THAT(treatment.check(), ElementsAre(HasSubstr("reflectance model")));
 }

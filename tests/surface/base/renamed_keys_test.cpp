@@ -18,7 +18,7 @@ TEST(RenamedKeys, AreReadByEitherName) {
                                       {"haze", "second_lobe_weight"},
                                       {"lamp_distance_mm", "light_distance_mm"},
                                       {"lamp_radius_deg", "light_radius_deg"},
-                                      {"lamps", "lights"},
+                                      {"lamps", "light_model"},
                                       {"left_out", "cross_validated"}}) {
         EXPECT_EQ(with_present_keys({{before, 7}}), json({{now, 7}}));
         EXPECT_EQ(with_present_keys({{now, 7}}), json({{now, 7}}));

@@ -141,7 +141,7 @@ TEST(AsPhotographed, PredictsLightsThatNoPhotographHad) {
     for (const Light& light : lights_of(60, gain)) photography.photos.push_back({light, true});
     photography.photos.push_back({distant_light({0, 0, 1}, "held out"), false});
     photography.photos.back().light.gain = Rgb(50);  // must not count
-    photography.lights = fit_light_model(lights_of(60, gain));
+    photography.light_model = fit_light_model(lights_of(60, gain));
     photography.rig.light_distance_mm = 700.0f;
     const Light unseen = as_photographed(distant_light({0.6f, 0, 0.8f}), photography);
     EXPECT_NEAR(unseen.gain.g, std::exp(0.18), 0.03);

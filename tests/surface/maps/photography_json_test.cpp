@@ -89,7 +89,7 @@ TEST(PhotographyJson, RoundTripsRigAndLights) {
              .surface_above_mm = 3.5f,
              .bend_per_mm = -1e-4f,
              .light_radius_deg = 2.5f};
-    p.lights = LightModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
+    p.light_model = LightModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.rig, p.rig);
     EXPECT_EQ(back.lights, p.lights);

@@ -15,7 +15,7 @@ constexpr int kLargeWidth = 4001, kLargeHeight = 1000;  // four million pixels, 
 Surface large() {
     Surface s(kLargeWidth, kLargeHeight);
     s.mm_per_pixel = 0.5;
-    s.reflectance_model = {.diffuse_roughness = 0.25, .haze = 0.5};
+    s.reflectance_model = {.diffuse_roughness = 0.25, .second_lobe_weight = 0.5};
     for (int y = 0; y < kLargeHeight; ++y)
         for (int x = 0; x < kLargeWidth; ++x) {
             s.diffuse(x, y) = Rgb(x < 2000 ? 0.25f : 0.75f, y < 400 ? 0.5f : 0.0f, 0.125f);

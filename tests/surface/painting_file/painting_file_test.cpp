@@ -66,7 +66,7 @@ TEST(PaintingFile, RoundTripsBitForBit) {
     s.confidence(4, 0) = 0;   // kept as it is where it can be relit
     s.mm_per_pixel = 0.0625;  // exact in a float, as the file holds it
     s.scale_known = true;
-    s.reflectance_model = {.diffuse_roughness = 0.3, .haze = 0.6};
+    s.reflectance_model = {.diffuse_roughness = 0.3, .second_lobe_weight = 0.6};
     s.provenance = R"({"program": "test", "note": "Größe, \"quoted\"\nsecond line"})";
     s.photography.transfer = {Transfer::Kind::gamma, 1 / 0.45};
     s.photography.white_level = 0.1 + 0.2;  // no short decimal
@@ -143,10 +143,10 @@ TEST(PaintingFile, KeepsTheAxesOfLobes) {
 TEST(PaintingFile, RefusesALawThatIsNone) {
     const TestDir dir;
     Surface s(2, 2);
-    s.reflectance_model.haze = 1.5;
+    s.reflectance_model.second_lobe_weight = 1.5;
     write_painting(dir / "a.exr", s);
     EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
-              (dir / "a.exr").string() + ": haze = 1.5 is not from 0 to 1");
+              (dir / "a.exr").string() + ": second lobe = 1.5 is not from 0 to 1");
 }
 
 TEST(PaintingFile, KeepsAScaleToSevenDigits) {

@@ -88,14 +88,15 @@ TEST(RoughDiffuse, DerivativesAreThoseOfCentralDifferences) {
     EXPECT_LT(same_side, 900);
 }
 
-TEST(HazyLobe, IsTheLobeWithoutHazeAndTheWiderOneWithNothingElse) {
+TEST(SecondLobe, IsTheLobeWithoutItAndTheWiderOneWithNothingElse) {
     Random random(4);
     for (int i = 0; i < 200; ++i) {
         const glm::dvec3 l(random.direction(0.1)), v(random.direction(0.1)), h = l + v;
         const WardAngles<double> a{l.z, v.z, h.z, glm::dot(h, h)};
         const double alpha = random.uniform(0.05, 0.4);
         for (const WardModel model : {WardModel::ward1992, WardModel::duer, WardModel::bounded}) {
-            const double core = ward_lobe(model, a, alpha), wide = ward_lobe(model, a, kHazeWidth * alpha);
+            const double core = ward_lobe(model, a, alpha),
+                         wide = ward_lobe(model, a, kSecondLobeWidth * alpha);
             EXPECT_EQ(hazy_lobe(model, a, alpha, 0.0), core);
             EXPECT_DOUBLE_EQ(hazy_lobe(model, a, alpha, 1.0), wide);
             // A mixture: what bounds both bounds it, so its albedo is at most 1 as theirs is.

@@ -35,7 +35,7 @@ void RendererTest::expect_equals_the_reference(Surface s, Surface without, const
         const auto gl = by_gl(s, some_lights(), {.model = model});
         EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
     }
-    s.reflectance_model = without.reflectance_model = {.diffuse_roughness = 0.6, .haze = 0.3};
+    s.reflectance_model = without.reflectance_model = {.diffuse_roughness = 0.6, .second_lobe_weight = 0.3};
     const RelightOptions shadows{.cast_shadows = true, .light_radius_deg = 2};
     const auto gl = by_gl(s, some_lights(), shadows);
     EXPECT_GE(part_within(gl, relight(s, some_lights(), shadows), 1), 0.999);
@@ -73,12 +73,12 @@ TEST_F(RendererTest, EqualsTheReferenceUnderUnevenLights) {
 
 TEST_F(RendererTest, EqualsTheReferenceUnderARoughAndHazyLaw) {
     Surface s = painted_surface(140, 90);
-    s.reflectance_model = {.diffuse_roughness = 0.6, .haze = 0.3};
+    s.reflectance_model = {.diffuse_roughness = 0.6, .second_lobe_weight = 0.3};
     for (const WardModel model : {WardModel::ward1992, WardModel::bounded}) {
         const auto gl = by_gl(s, some_lights(), {.model = model});
         EXPECT_GE(part_within(gl, relight(s, some_lights(), {.model = model}), 1), 0.999) << name_of(model);
         for (const ReflectanceModel& other :
-             {ReflectanceModel{.haze = 0.3}, ReflectanceModel{.diffuse_roughness = 0.6}}) {
+             {ReflectanceModel{.second_lobe_weight = 0.3}, ReflectanceModel{.diffuse_roughness = 0.6}}) {
             Surface differs = s;
             differs.reflectance_model = other;
             EXPECT_LT(part_within(gl, relight(differs, some_lights(), {.model = model}), 1), 0.95)

@@ -71,8 +71,8 @@ class Drawing {
       gl.clear(gl.COLOR_BUFFER_BIT);
       return;
     }
-    const [x, y, z] = scene.light, shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, haze] = data.reflectance_model;
-    const definitions = Object.entries({WARD_MODEL: 2, LAW: roughness || haze ? 1 : 0, COLOURED: data.coloured_specular ? 1 : 0, DRAWN_OUT: data.anisotropic_specular ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
+    const [x, y, z] = scene.light, shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, second_lobe_weight] = data.reflectance_model;
+    const definitions = Object.entries({WARD_MODEL: 2, LAW: roughness || second_lobe_weight ? 1 : 0, COLOURED: data.coloured_specular ? 1 : 0, DRAWN_OUT: data.anisotropic_specular ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
       LIGHTS: 1, NEAR: 0, BENDS: 0, BEAMS: 0, SHADOWS: shadows, EYE: 1, MODE: scene.look, OUTPUT: 1, GREY: 1, BARE: 0}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
     const {program, at} = this.program(definitions);
     gl.useProgram(program);

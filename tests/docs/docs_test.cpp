@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "docs_pages.h"
+#include "tests/docs/docs_pages.h"
 
 namespace tangi::docs {
 namespace {

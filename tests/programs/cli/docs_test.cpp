@@ -1,7 +1,7 @@
-// cli_docs_test.cpp: every flag of the program is documented, and every documented flag is one of the
+// docs_test.cpp: every flag of the program is documented, and every documented flag is one of the
 // program's.
-#include "cli_program.h"
-#include "docs_pages.h"
+#include "tests/docs/docs_pages.h"
+#include "tests/programs/support/cli_program.h"
 
 namespace tangi {
 namespace {
