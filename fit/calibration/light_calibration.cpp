@@ -100,7 +100,7 @@ nlohmann::json to_json(const LightCalibration& calibration) {
     };
     for (const LightCalibration::Trial& trial : calibration.trials)
         trials[name_of(trial.model)] = trial.cv_psnr_db;
-    if (calibration.lights)
+    if (calibration.light_model)
         for (const Light& light : calibration.lighting.lights) gains[light.name] = light.gain.g;
     for (std::size_t i = 0; i < calibration.turns.size(); ++i)
         turns[calibration.lighting.lights[i].name] = {{"changed_deg", calibration.turns[i].changed_deg},

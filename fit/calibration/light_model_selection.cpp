@@ -114,7 +114,7 @@ LightCalibration calibration_of(const LightSample& sample, const LightBundleAdju
     }
     // One light that was carried around is as strong elsewhere as it was given.
     if (model.lights == LightFreedom::rig_and_gains && !joint.lights_known)
-        result.lights = fit_light_model(result.lighting.lights);
+        result.light_model = fit_light_model(result.lighting.lights);
     return result;
 }
 
@@ -176,8 +176,9 @@ FoldResult validation(const LightSample& sample, const Lighting& given, const Li
         light.direction = corrected_direction(c, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         place(light, one.rig);
-        if (c.lights)
-            light.gain *= static_cast<float>(predicted_gain(*c.lights, c.lighting.lights, light.direction));
+        if (c.light_model)
+            light.gain *=
+                static_cast<float>(predicted_gain(*c.light_model, c.lighting.lights, light.direction));
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
         result.photos_db.push_back(
             sample.psnr_db(sample.squared_errors(estimates, i, one), given.white_level));

@@ -302,7 +302,7 @@ FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& pro
                            .white_level = options.white_level.value_or(1),
                            .photos = {},
                            .rig = {},
-                           .lights = {},
+                           .light_model = {},
                            .to_camera = {}};
     report_.white_balances = balance_photographs(stack, surveyed, transfer);
     const NoiseModel noise = noise_model(stack, transfer, options);

@@ -167,7 +167,7 @@ std::string white_cells(const WhiteBalance& white) {
 // One line a photograph that was fitted.
 std::string table(const FitResult& fit) {
     const LightCalibration& c = fit.report.lights;
-    const bool gains = !c.gain_sigma.empty() || c.lights.has_value(), turns = !c.turns.empty();
+    const bool gains = !c.gain_sigma.empty() || c.light_model.has_value(), turns = !c.turns.empty();
     const bool drifts = !fit.report.registration.photos.empty();
     std::map<std::string, const PhotoDrift*> drift_of;
     for (const PhotoDrift& drift : fit.report.registration.photos) drift_of[drift.name] = &drift;

@@ -1,5 +1,5 @@
 // further_faults_test.cpp: the other commands that write, and other ways to call those of
-// cli_faults_test.cpp; see fault_scene.h.
+// faults_test.cpp; see fault_scene.h.
 #include "tests/robustness/fault_scene.h"
 
 namespace tangi {

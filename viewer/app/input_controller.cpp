@@ -207,7 +207,7 @@ bool InputController::begin_stroke(const InputEvent& event, const glm::dvec2* at
     if (state_.finishing) return false;
     if (!at || state_.left_over_strokes > 0) {
         if (state_.left_over_strokes > 0)
-            state_.message = "first recover or put aside the strokes of the last sitting";
+            state_.message = "first recover or discard the strokes that were not saved";
         state_.message_until_s = event.time_s + 5;
         return false;
     }

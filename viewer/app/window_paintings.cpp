@@ -29,7 +29,7 @@ void WindowApp::open_when_allowed(const fs::path& file) {
     const bool asks = state_.left_over_strokes > 0 && !state_.left_over_of_another;
     if (state_.painter.unsaved || asks || state_.treatment_state.edits > 0) {
         if (asks)
-            say("first recover or put aside the strokes of the last sitting");
+            say("first recover or discard the strokes that were not saved");
         else
             state_.closing = true;
         state_.open_next = state_.closing ? file : fs::path();
@@ -59,7 +59,7 @@ void WindowApp::take_palette(const fs::path& file) {
         return;
     }
     if (state_.left_over_strokes > 0) {
-        say("first recover or put aside the strokes of the last sitting: they are of the paints that there "
+        say("first recover or discard the strokes that were not saved: they are of the paints that there "
             "are");
         return;
     }

@@ -94,7 +94,7 @@ void WindowApp::board_requests(const WindowState::Requests& ask) {
 void WindowApp::save(const WindowState::Requests& ask) {
     if ((!ask.save && ask.save_as.empty()) || state_.finishing) return;
     if (state_.left_over_strokes > 0) {
-        say("first recover or put aside the strokes of the last sitting");
+        say("first recover or discard the strokes that were not saved");
         return;
     }
     if (state_.treatment_state.preview) {

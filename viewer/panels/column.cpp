@@ -67,13 +67,12 @@ void dropped(WindowState& s) {
 // Strokes that a crash left. Where another painting was put in the place of theirs, Enter does nothing to it.
 void left_over(WindowState& s) {
     const bool of_another = s.left_over_of_another;
-    ImGui::TextColored(
-        {1, 0.8f, 0.3f, 1}, "%s",
-        of_another ? "Strokes of another painting lie here." : "A sitting ended without saving.");
+    ImGui::TextColored({1, 0.8f, 0.3f, 1}, "%s",
+                       of_another ? "Strokes of another painting lie here." : "Recover unsaved work?");
     const std::string strokes =
         fmt::format("{} stroke{}", s.left_over_strokes, s.left_over_strokes == 1 ? "" : "s");
     if (of_another) {
-        if (ImGui::Button("Put aside (Enter)")) s.ask.discard = true;
+        if (ImGui::Button("Discard (Enter)")) s.ask.discard = true;
         tip("They are kept in a file beside the painting. To have them on their own painting, put that back "
             "in its place and open it");
         ImGui::SameLine();
@@ -82,7 +81,7 @@ void left_over(WindowState& s) {
     }
     if (ImGui::Button(fmt::format("Recover {} (Enter)", strokes).c_str())) s.ask.recover = true;
     ImGui::SameLine();
-    if (ImGui::Button("Put aside")) s.ask.discard = true;
+    if (ImGui::Button("Discard")) s.ask.discard = true;
 }
 
 // What is asked before strokes or files may be lost.
@@ -239,7 +238,7 @@ void canvas(WindowState& s) {
     if (ImGui::Button("Redo")) s.ask.redo = true;
     tip(s.keys.text(Action::redo));
     ImGui::SameLine();
-    if (ImGui::Button("Dry")) s.ask.dry = true;
+    if (ImGui::Button("Dry layer")) s.ask.dry = true;
     tip(s.keys.text(Action::dry) + ": all wet paint becomes a dry layer");
     ImGui::TextDisabled("%d stroke%s, %zu dried layer%s", s.painter.strokes,
                         s.painter.strokes == 1 ? "" : "s", s.painter.layers.size(),
@@ -247,7 +246,7 @@ void canvas(WindowState& s) {
     for (const std::string& layer : s.painter.layers) {
         ImGui::PushID(layer.c_str());
         if (!s.treatment_state.on) {  // there, that is a step
-            if (ImGui::SmallButton("Lift off")) s.ask.lift = layer;
+            if (ImGui::SmallButton("Delete layer")) s.ask.lift = layer;
             tip("Takes this layer of dried paint away; can be undone");
             ImGui::SameLine();
         }
@@ -348,7 +347,7 @@ void help(WindowState& s) {
             ImGui::SameLine(170 * s.scale);
             ImGui::TextUnformatted(shortcut.help);
         }
-        if (ImGui::SmallButton("Usual keys")) s.ask.usual_keys = true;
+        if (ImGui::SmallButton("Reset to defaults")) s.ask.usual_keys = true;
         if (!s.message.empty()) {  // which this window may lie over
             ImGui::SameLine();
             ImGui::TextColored({1, 0.88f, 0.6f, 1}, "%s",

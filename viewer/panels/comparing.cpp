@@ -109,13 +109,13 @@ void photographs(WindowState& s) {
             ImGui::TextWrapped("This painting was not fitted to photographs.");
             return;
         }
-        if (ImGui::Button("Hold photographs against it …")) s.ask.photos_dialog = true;
+        if (ImGui::Button("Compare with photographs …")) s.ask.photos_dialog = true;
         ImGui::TextDisabled("or drop their folder on the window");
         return;
     }
     ImGui::Checkbox(fmt::format("Compare ({})", s.keys.text(Action::compare)).c_str(), &c.on);
     ImGui::SameLine();
-    if (ImGui::SmallButton("Put away")) s.ask.put_photos_away = true;
+    if (ImGui::SmallButton("Close##photographs")) s.ask.put_photos_away = true;
     list(s);
     std::string warned;
     if (c.news.book)

@@ -158,7 +158,7 @@ void suggested(WindowState& s) {
     note(found, 1, {0.95f, 0.4f, 0.8f, 1});
     note(shown.measured, 2, ImGui::GetStyleColorVec4(ImGuiCol_Text));
     ImGui::BeginDisabled(!t.suggestion);
-    slide("Sure", shown.threshold, 0, 1, "%.2f and more");
+    slide("Minimum confidence", shown.threshold, 0, 1, "%.2f and more");
     tip("Only areas of which the program is at least so sure");
     if (ImGui::BeginCombo("As", t.suggestion ? title_of(shown.as) : "")) {
         for (const DamageClass damage : kDamageClasses)
@@ -173,11 +173,11 @@ void suggested(WindowState& s) {
                                there->logged.count == 1 ? "" : "s");
     note(replaces, 1, kWarning);
     ImGui::BeginDisabled(shown.shown == 0 || shown.stale);
-    if (ImGui::Button("Take over")) t.ask.accept = true;
+    if (ImGui::Button("Accept")) t.ask.accept = true;
     ImGui::EndDisabled();
     tip(s.keys.text(Action::accept) + ": takes the place of what this class has, and is entered in the log");
     ImGui::SameLine();
-    if (ImGui::Button("Drop##suggestion")) t.ask.drop_suggestion = true;
+    if (ImGui::Button("Discard##suggestion")) t.ask.drop_suggestion = true;
     ImGui::EndDisabled();
 }
 
@@ -189,14 +189,14 @@ void suggesting(WindowState& s) {
                      "flaking\0"))
         t.suggesting = static_cast<Suggesting>(what);
     if (ImGui::Button("Suggest")) t.ask.suggest = true;
-    tip(s.keys.text(Action::suggest) + ": beside the window; nothing is changed before you take it over");
+    tip(s.keys.text(Action::suggest) + ": beside the window; nothing changes before you accept it");
     suggested(s);
 }
 
 // Last: each kind has its own.
 void how_it_is_looked_for(WindowState& s) {
     TreatmentState& t = s.treatment_state;
-    if (!ImGui::TreeNode("How it is looked for")) return;
+    if (!ImGui::TreeNode("Detection settings")) return;
     if (t.suggesting == Suggesting::loss) options_of(t.loss, s.scale);
     if (t.suggesting == Suggesting::craquelure) options_of(t.craquelure, s.scale);
     if (t.suggesting == Suggesting::gloss) options_of(t.gloss, s.scale);

@@ -187,9 +187,10 @@ void look_of(WindowState& s) {
     tip("What their light is made of: paints that match in one can differ in another. What is below the "
         "paint is seen by a reflectance guessed from its colour");
     slide("Exposure", s.exposure_stops, -4, 4, "%.1f stops");
-    slide("Shoulder", s.shoulder, 0, 0.9f, "%.2f");
+    slide("Highlight compression", s.shoulder, 0, 0.9f, "%.2f");
     int model = static_cast<int>(s.model);
-    if (ImGui::Combo("Ward", &model, "1992\0Duer\0bounded\0")) s.model = static_cast<WardModel>(model);
+    if (ImGui::Combo("Ward model (expert)", &model, "1992\0Duer\0bounded\0"))
+        s.model = static_cast<WardModel>(model);
     ImGui::Checkbox("Probe", &s.probing);
     ImGui::SameLine();
     ImGui::Checkbox(with_key(s, "Loupe", Action::loupe).c_str(), &s.loupe);

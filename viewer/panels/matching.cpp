@@ -24,7 +24,7 @@ void swatches(const Rgb& wanted, const Rgb& recipe, float scale) {
 void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
     swatches(match.srgb, r.look_srgb, s.scale);
     ImGui::SameLine();
-    if (ImGui::Button("Take up on the brush")) {
+    if (ImGui::Button("Load brush")) {
         s.mix = r.mix;
         s.finish = {};
         s.board.carried = Carried::chosen;
@@ -48,7 +48,7 @@ void recipe(WindowState& s, const ShownMatch& match, const ShownRecipe& r) {
 // The list of pairs that are kept apart, to be edited.
 void pairs(WindowState& s) {
     TreatmentState& t = s.treatment_state;
-    if (!ImGui::TreeNode("Bad pairs")) return;
+    if (!ImGui::TreeNode("Incompatible pigments")) return;
     const auto words = [](const std::vector<std::string>& all) {
         return fmt::format("{}", fmt::join(all, ", "));
     };
@@ -93,10 +93,10 @@ void matching(WindowState& s) {
     ImGui::Checkbox("Avoid bad pairs", &t.avoid_pairs);
     tip("Leaves out mixtures of pigments that practice keeps apart; else they are warned of");
     pairs(s);
-    if (ImGui::Button("Round the damage")) t.ask.match_around = true;
+    if (ImGui::Button("Match surroundings")) t.ask.match_around = true;
     tip("The commonest colour beside the damage that is worked on");
     ImGui::SameLine();
-    if (ImGui::Button("Of a place")) s.tool = Tool::sample;
+    if (ImGui::Button("Match point")) s.tool = Tool::sample;
     tip(s.keys.text(Action::tool_sample) + ": then click on the painting");
     if (!t.match) return;
     ImGui::Separator();

@@ -48,7 +48,7 @@ void size(NewCanvas& n, WindowState& s) {
     }
     if (is_piece) {
         int seed = static_cast<int>(c.piece.seed);
-        if (type_number("Piece", seed, 0, std::numeric_limits<int>::max()))
+        if (type_number("Variation (seed)", seed, 0, std::numeric_limits<int>::max()))
             c.piece.seed = static_cast<std::uint64_t>(seed);
         tip("Each number is another piece of the same cloth");
     } else if (is_picture(c.which)) {
@@ -85,12 +85,12 @@ void own_or(const char* label, std::optional<double>& value, double start, float
 void finish(SubstrateFinish& f) {
     const Transfer srgb{Transfer::Kind::srgb};
     Rgb tint = srgb.encode(f.tint);
-    if (colour_field("Tint of ρd", tint)) {
+    if (colour_field("Ground tone", tint)) {
         for (int i = 0; i < 3; ++i) f.tint[i] = srgb.decode(std::clamp(tint[i], 0.0f, 1.0f));
     }
     tip("Toned: its colour is multiplied by this");
-    own_or("Gloss ρs", f.specular, 0.03, 0, 0.2f);
-    own_or("Roughness α", f.roughness, 0.3, 0.03f, 0.6f);
+    own_or("Gloss", f.specular, 0.03, 0, 0.2f);
+    own_or("Roughness", f.roughness, 0.3, 0.03f, 0.6f);
 }
 
 }  // namespace
@@ -117,11 +117,11 @@ void new_canvas(WindowState& s) {
                 reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(n.texture)), corner,
                 {corner.x + s.scale * static_cast<float>(n.preview.width),
                  corner.y + s.scale * static_cast<float>(n.preview.height)});
-        ImGui::InputText("Keep it as", &n.choice.keep_as);
+        ImGui::InputText("Save as preset", &n.choice.keep_as);
         tip("A name under which this ground is there for the next canvas; empty: it is not kept");
         if (ImGui::InputText("File", &n.name)) n.complaint.clear();
         ImGui::TextDisabled("in %s", n.folder.string().c_str());
-        if (ImGui::Button("Paint on it")) s.ask.begin_canvas = true;
+        if (ImGui::Button("Create")) s.ask.begin_canvas = true;
         ImGui::SameLine();
         if (ImGui::Button("Cancel (Esc)")) n.open = false;
         note(n.complaint, 3, kWarning);  // below what is clicked

@@ -32,7 +32,7 @@ void finish(WindowState& s) {
     if (stepped("α", roughness, 0.05, 0.6, 0.05, "%.2f")) s.finish.roughness = roughness;
     tip("Roughness: how far highlights spread");
     stepped("Medium", s.finish.medium, 0, 0.9, 0.1, "%.1f");
-    if (ImGui::SmallButton("As from the tube")) s.finish = {};
+    if (ImGui::SmallButton("Reset paint")) s.finish = {};
     ImGui::TreePop();
 }
 
@@ -71,9 +71,9 @@ void brush(WindowState& s) {
     slider("Deposit", s.brush.deposit, 0, 3, "%.2f");
     slider("Pick up", s.brush.pickup, 0, 3, "%.2f");
     slider("Push", s.brush.push, 0, 1, "%.2f");
-    slider("Grooves", s.brush.groove_mm, 0, 1, length(s, "%.2f").c_str());
-    slider("Bristle", s.brush.bristle_mm, 0.05f, 2, length(s, "%.2f").c_str());
-    slide("Steady", s.stabiliser_mm, 0, 20, length(s, "%.1f").c_str());
+    slider("Bristle variation", s.brush.groove_mm, 0, 1, length(s, "%.2f").c_str());
+    slider("Bristle spacing", s.brush.bristle_mm, 0.05f, 2, length(s, "%.2f").c_str());
+    slide("Stabiliser", s.stabiliser_mm, 0, 20, length(s, "%.1f").c_str());
     ImGui::Checkbox("Follows the stroke", &s.brush.follow);
     ImGui::Checkbox("Dirty brush", &s.dirty_brush);
     tip("Not washed between strokes");

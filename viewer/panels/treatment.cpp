@@ -41,10 +41,10 @@ void footer(WindowState& s) {
                  : "",
              1, kWarning);
     idle_while(t.edits == 0, "Corrections of the damage map", [&] {
-        if (ImGui::Button("Enter in the log##damage")) t.ask.keep = true;
+        if (ImGui::Button("Record step##damage")) t.ask.keep = true;
         tip(s.keys.text(Action::keep_damage));
         ImGui::SameLine();
-        if (ImGui::Button("Drop")) t.ask.drop_edits = true;
+        if (ImGui::Button("Discard##edits")) t.ask.drop_edits = true;
     });
     if (!t.job) return;
     const std::string stage =
@@ -64,7 +64,7 @@ void works_on(WindowState& s) {
     for (const DamageClass damage : t.where)
         names += (names.empty() ? "" : ", ") + std::string(title_of(damage));
     ImGui::BeginDisabled(s.painter.unsaved);
-    if (ImGui::BeginCombo("Works on", names.empty() ? "choose damage" : names.c_str())) {
+    if (ImGui::BeginCombo("Area", names.empty() ? "choose damage" : names.c_str())) {
         for (const DamageRow& row : t.damage) {
             if (!row.there) continue;
             bool on = t.where.contains(row.damage);
@@ -126,7 +126,7 @@ void by_hand(WindowState& s) {
     tip(s.keys.text(Action::tool_paint));
     ImGui::SameLine();
     idle_while(!s.painter.unsaved, "Nothing was painted that is not in the log", [&] {
-        if (ImGui::Button("Enter in the log")) s.ask.save = true;
+        if (ImGui::Button("Record step")) s.ask.save = true;
         tip(s.keys.text(Action::save) +
             ": what was painted becomes a layer of dry paint, with its strokes in the log");
     });
@@ -172,9 +172,9 @@ void laid(WindowState& s) {
     choice("Kind", t.mode,
            std::array<Mode, 6>{
                Mode(RetouchMode::mimetic, "mimetic"), Mode(RetouchMode::tratteggio, "tratteggio"),
-               Mode(RetouchMode::selection, "chromatic selection"),
-               Mode(RetouchMode::abstraction, "chromatic abstraction"), Mode(RetouchMode::dotting, "dotting"),
-               Mode(RetouchMode::neutral, "neutral tone")});
+               Mode(RetouchMode::selection, "Selezione cromatica"),
+               Mode(RetouchMode::abstraction, "Astrazione cromatica"),
+               Mode(RetouchMode::dotting, "Pointillism"), Mode(RetouchMode::neutral, "neutral tone")});
     number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, (length(s, "%.3f") + " thick").c_str(), true);
     const bool even = t.mode == RetouchMode::mimetic || t.mode == RetouchMode::neutral;
     idle_while(even, "Of lines and dots", [&] {
@@ -198,7 +198,7 @@ void laid(WindowState& s) {
     });
     ImGui::SameLine();
     idle_while(!t.preview, nullptr, [&] {
-        if (ImGui::Button("Put aside")) t.ask.drop_preview = true;
+        if (ImGui::Button("Discard##preview")) t.ask.drop_preview = true;
     });
     previewed(t.preview);
 }
@@ -235,9 +235,9 @@ void states(WindowState& s) {
     slide("##distance", t.distance_m, 0.3f, 10, "%.1f m");
     ImGui::PopItemWidth();
     ImGui::SameLine();
-    if (ImGui::Button("See from there")) t.ask.see_from = true;
+    if (ImGui::Button("Viewing distance")) t.ask.see_from = true;
     tip("As the eye has it from this distance: lines that fuse cannot be told apart");
-    idle_while(!s.comparing.pair, "While two are held against each other", [&] {
+    idle_while(!s.comparing.pair, "While two are compared", [&] {
         if (ImGui::Button(fmt::format("Back to the painting ({})", s.keys.text(Action::compare)).c_str()))
             t.ask.stop_comparing = true;
     });
@@ -253,7 +253,7 @@ void by(TreatmentState& t) {
 void treatment(WindowState& s) {
     ImGui::TextWrapped(
         "A treatment keeps the painting as it is, and all that is done to it as layers and in a log.");
-    if (ImGui::Button("Begin, or go on")) s.treatment_state.ask.begin = true;
+    if (ImGui::Button("New / open treatment")) s.treatment_state.ask.begin = true;
     tip(s.keys.text(Action::treatment) + ": in a folder beside the painting, with a copy of it");
     ImGui::SameLine();
     if (ImGui::Button("Open …")) s.treatment_state.ask.open_dialog = true;
@@ -275,7 +275,7 @@ void steps(WindowState& s) {
         tip(s.keys.text(Action::isolate) + ": between original and retouch, where one works");
     });
     folding("Retouch by hand", true, [&] { by_hand(s); });
-    folding("Retouch laid by the program", false, [&] { laid(s); });
+    folding("Automatic retouching", false, [&] { laid(s); });
     folding("Varnish", false, [&] {
         varnish(s, t.varnish);
         if (ImGui::Button("Varnish all")) t.ask.varnish = true;

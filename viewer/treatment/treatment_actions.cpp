@@ -148,7 +148,7 @@ void TreatmentController::begin() {
 // Changes the canvas on the painter's thread, so that no stroke is lost, and writes it down.
 void TreatmentController::step(std::string title, Step work) {
     if (state_.painter.unsaved) {
-        setup_.say("first enter in the log what was painted: Ctrl+S");
+        setup_.say("first record what was painted: Ctrl+S");
         return;
     }
     if (preview_) {
@@ -236,7 +236,7 @@ void TreatmentController::undo_last() {
 void TreatmentController::preview() {
     TreatmentState& t = state_.treatment_state;
     if (state_.painter.unsaved) {
-        setup_.say("first enter in the log what was painted: Ctrl+S");
+        setup_.say("first record what was painted: Ctrl+S");
         return;
     }
     t.state.reset();
@@ -325,7 +325,7 @@ bool TreatmentController::all_is_logged() {
     if (state_.left_over_strokes > 0)
         setup_.say("first recover the strokes that were not saved, or put them aside: no report has them");
     else if (state_.painter.unsaved)
-        setup_.say("first enter in the log what was painted: Ctrl+S; no report has it before");
+        setup_.say("first record what was painted: Ctrl+S; no report has it before");
     else if (state_.treatment_state.edits > 0)
         setup_.say(
             "first enter the corrections of the map in the log (Ctrl+K), or drop them: no report has them "

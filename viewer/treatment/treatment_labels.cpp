@@ -34,7 +34,7 @@ std::string TreatmentController::no_strokes() const {
     if (t.preview) return "apply the retouch that is previewed, or put it aside, before you paint";
     if (t.state) return "a state of the treatment is shown: choose Now before you paint";
     if (confine_due_ || refresh_due_ || (job_ && job_is_ours_)) return "the mask is being made ready";
-    if (t.confined && t.where.empty()) return "choose the damage that is retouched: Steps, Works on";
+    if (t.confined && t.where.empty()) return "choose the damage that is retouched: Steps, Area";
     const bool mapped = std::any_of(t.damage.begin(), t.damage.end(), [&](const DamageRow& row) {
         return row.there && t.where.contains(row.damage);
     });

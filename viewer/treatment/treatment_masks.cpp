@@ -180,7 +180,7 @@ void TreatmentController::keep_edits() {
     for (const auto& [damage, draft] : drafts_) {
         if (!draft.can_undo()) continue;
         if (state_.painter.unsaved && t.where.contains(damage)) {
-            setup_.say("first enter in the log what was painted there: Ctrl+S");
+            setup_.say("first record what was painted there: Ctrl+S");
             return;
         }
         edited.emplace_back(damage, draft);
@@ -350,7 +350,7 @@ void TreatmentController::accept() {
         return;
     }
     if (shown.shown == 0) {
-        setup_.say("nothing was found that could be taken over; what is mapped stays");
+        setup_.say("nothing was found to accept; what is mapped stays");
         return;
     }
     if (const auto drawn = drafts_.find(shown.as); drawn != drafts_.end() && drawn->second.can_undo()) {

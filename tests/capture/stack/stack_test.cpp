@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "capture/stack/open_screened.h"
+#include "capture/stack/stack_calibration.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/support/test_support.h"
 
@@ -326,6 +327,33 @@ TEST(RequireEnoughLights, AcceptsDomesAndRingsOfOneElevation) {
         EXPECT_NO_THROW(require_enough_lights(lights, "set")) << elevation;
     }
     EXPECT_NO_THROW(require_enough_lights(dome_lights(40), "set"));
+}
+
+// The first and the second number of a line become what the text says at their places.
+TEST(LightAxes, AreSaidBySignsAndOrder) {
+    const TestDir dir;
+    const std::vector<Light> lights = dome_lights(5);
+    write_test_stack(dir, lights);
+    for (const char* text :
+         {"x,y,z", "x,-y,z", "-x,y,z", "-x,-y,z", "y,x,z", "y,-x,z", "-y,x,z", "-y,-x,z"}) {
+        const auto axes = light_axes_of(text);
+        ASSERT_TRUE(axes) << text;
+        const std::vector<Light> read = read_stack_calibration(dir.path(), {}, *axes).lights;
+        ASSERT_EQ(read.size(), lights.size());
+        const std::string_view said = text, first = said.substr(0, said.find(','));
+        const std::string_view second = said.substr(first.size() + 1, said.rfind(',') - first.size() - 1);
+        const auto of = [](std::string_view term, const Vec3& listed) {
+            return (term.front() == '-' ? -1 : 1) * (term.back() == 'x' ? listed.x : listed.y);
+        };
+        for (std::size_t i = 0; i < lights.size(); ++i) {
+            EXPECT_NEAR(read[i].direction.x, of(first, lights[i].direction), 1e-5) << text;
+            EXPECT_NEAR(read[i].direction.y, of(second, lights[i].direction), 1e-5) << text;
+            EXPECT_NEAR(read[i].direction.z, lights[i].direction.z, 1e-5) << text;
+        }
+    }
+    for (const char* none : {"", "x", "x,x,z", "x,y,-z", "z,y,x", "x,y", "x, y, z", "x,y,z,"})
+        EXPECT_FALSE(light_axes_of(none)) << none;
+    EXPECT_EQ(in_words(LightAxes{true, false}), "-x,y,z");
 }
 
 TEST(DataStack, OfAllRealSetsOpens) {

@@ -286,7 +286,7 @@ TEST_F(PanelPlaces, StayWhenATreatmentGoesOn) {
             state_.painter.outside_px = 5;
         });
         stays_when("one may not paint",
-                   [&] { t.no_strokes = "choose the damage that is retouched: Steps, Works on"; });
+                   [&] { t.no_strokes = "choose the damage that is retouched: Steps, Area"; });
         stays_when("a layer is laid", [&] { t.layers.push_back({"retouch 1", LayerRole::retouch, {}}); });
         stays_when("the mode is another", [&] { t.mode = RetouchMode::tratteggio; });
         stays_when("a retouch is previewed", [&] {

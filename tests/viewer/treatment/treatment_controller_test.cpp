@@ -66,8 +66,7 @@ TEST_F(Controllers, TheWholeSequenceIsInTheLog) {
     EXPECT_EQ(state_.painter.outside_px, 0);
     t.ask.varnish = true;
     settle();
-    EXPECT_THAT(said_.back(), HasSubstr("first enter in the log"))
-        << "no step over strokes that are not logged";
+    EXPECT_THAT(said_.back(), HasSubstr("first record")) << "no step over strokes that are not logged";
     painter_->save();
     settle();
     ASSERT_EQ(t.layers.size(), 3u);

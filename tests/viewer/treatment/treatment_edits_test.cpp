@@ -72,7 +72,7 @@ TEST_F(ControllerEdits, NoReportLeavesOutWhatIsNotInTheLog) {
     settle();
     stroke(0);
     ASSERT_TRUE(state_.painter.unsaved);
-    is_refused("first enter in the log what was painted");
+    is_refused("first record what was painted");
     painter_->save();
     settle();
     state_.left_over_strokes = 3;
