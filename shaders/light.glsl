@@ -51,10 +51,10 @@ vec3 gain_at(int i, vec3 point) {
 }
 
 Incoming incoming(int i, vec3 point) {
-    vec4 light = light(i);
-    vec3 from = bent(light.xyz, point);
+    vec4 source = light(i);
+    vec3 from = bent(source.xyz, point);
 #if NEAR == 1
-    vec3 to_light = light.w == 0.0 ? from : from - point;
+    vec3 to_light = source.w == 0.0 ? from : from - point;
     float distance2 = dot(to_light, to_light);
     return Incoming(to_light * inversesqrt(distance2), gain_at(i, point) * (dot(from, from) / distance2));
 #else

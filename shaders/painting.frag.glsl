@@ -73,7 +73,7 @@ vec3 lit(Material m, vec2 at) {
     vec3 v = v_eye.xyz;
 #endif
     vec3 sum = v_scene.y * m.diffuse;
-#if DRAWN_OUT == 1
+#if ANISOTROPIC == 1
     vec3 shape = shape_of(m.stretch);
 #endif
     for (int i = 0; i < LIGHTS; ++i) {
@@ -91,7 +91,7 @@ vec3 lit(Material m, vec2 at) {
 #elif MODE == 2  // diffuse gain: the fall-off from the brightest direction is steeper
             diffuse *= max(1.0 - v_look.x * (1.0 - n_l), 0.0) / max(n_l, 0.02);
 #endif
-#if COLOURED == 1 && MODE != 1
+#if SPECULAR_COLOUR == 1 && MODE != 1
             vec3 shine = gloss * m.specular_colour;
 #else
             float shine = gloss;

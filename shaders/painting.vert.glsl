@@ -8,7 +8,7 @@ uniform float u_ambient, u_rig_ambient;
 uniform float u_shoulder;    // [1] 0: clips at white; else where the tone curve leaves the straight line
 uniform vec3 u_background;   // [linear]
 uniform vec4 u_look;         // strengths of the mode; heights' false colour: lowest, highest [mm]
-uniform vec2 u_law;          // diffuse roughness [1], second lobe [1]
+uniform vec2 u_reflectance_model;          // diffuse roughness [1], second lobe [1]
 uniform float u_mm_per_pixel;
 uniform float u_bend;          // [1/mm]
 uniform float u_light_radius;  // [rad]
@@ -36,7 +36,7 @@ void main() {
     v_exposure2 = vec4(u_exposure[2], u_bend);
     v_eye = vec4(u_eye.xyz, u_highest);
     v_range = u_range;
-    v_background = vec4(u_background, u_law.x);
+    v_background = vec4(u_background, u_reflectance_model.x);
     v_look = u_look;
 #if NEAR == 1
     v_light = u_light[0];
@@ -44,7 +44,7 @@ void main() {
     v_light = vec4(u_light[0].xyz, 1.0 / float(u_size.y));
 #endif
     v_light_gain = vec4(u_gain[0], u_place[0].x);
-    v_rest = vec4(u_law.y, u_place[0].y, exp2(-float(u_level)), 1.0 / float(u_size.x));
+    v_rest = vec4(u_reflectance_model.y, u_place[0].y, exp2(-float(u_level)), 1.0 / float(u_size.x));
     v_size = ivec4(u_size, u_level, u_last_level);
 #if AT_HOME == 1
     v_tiles = u_homes;

@@ -1,7 +1,7 @@
 // surface.glsl: the maps of a surface, packed into one texel of 128 bits as viewer/render/texels.h describes, in square tiles:
 // those that are seen, of any level of detail, are the layers of an array texture; a table says which. AT_HOME: 1 where
 // those of the picture's own level lie where column and row say (viewer/render/tile_cache.h), which spares each pixel the table.
-// COLOURED: 1 where lobes have colours, for which gloss, confidence and height have fewer bits; DRAWN_OUT: 1 where they
+// SPECULAR_COLOUR: 1 where lobes have colours, for which gloss, confidence and height have fewer bits; ANISOTROPIC: 1 where they
 // are anisotropic as well, for which everything has.
 
 uniform highp usampler2DArray u_texels;
@@ -13,10 +13,10 @@ struct Material {
     float roughness;   // [1] alpha
     float height;      // [mm]
     float confidence;  // [1]
-#if COLOURED == 1
+#if SPECULAR_COLOUR == 1
     vec3 specular_colour;  // [1]
 #endif
-#if DRAWN_OUT == 1
+#if ANISOTROPIC == 1
     vec2 stretch;  // [1] surface/reflectance/anisotropy.h
 #endif
 };
@@ -63,9 +63,9 @@ uvec4 texel_here(ivec2 at) {
 
 vec2 halves(uint bits) { return vec2(float(bits & 0xffffu), float(bits >> 16)) * (1.0 / 65535.0); }
 
-#if DRAWN_OUT == 1
+#if ANISOTROPIC == 1
 float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 16) * (1.0 / 65535.0); }
-#elif COLOURED == 1
+#elif SPECULAR_COLOUR == 1
 float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 15) * (1.0 / 131071.0); }
 #else
 float height_in(uvec4 texel) { return v_range.z + v_range.w * float(texel.w >> 8) * (1.0 / 16777215.0); }
@@ -80,7 +80,7 @@ vec3 colour_of(uint largest, uint after, uint before) {
 Material unpack(uvec4 texel) {
     Material m;
     // Normal: octahedron, upper half.
-#if DRAWN_OUT == 1
+#if ANISOTROPIC == 1
     vec2 uv = vec2(float(texel.x & 0x1fffu), float((texel.x >> 13) & 0xfffu)) * vec2(2.0 / 8191.0, 2.0 / 4095.0) - 1.0;
     vec3 root = vec3(float(texel.y & 0x3ffu), float((texel.y >> 10) & 0x3ffu), float((texel.y >> 20) & 0x1ffu)) *
                 vec3(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 511.0);
@@ -92,12 +92,12 @@ Material unpack(uvec4 texel) {
     vec2 xy = 0.5 * vec2(uv.x + uv.y, uv.x - uv.y);
     m.normal = normalize(vec3(xy, 1.0 - abs(xy.x) - abs(xy.y)));
     m.diffuse = v_range.x * root * root;
-#if DRAWN_OUT == 1
+#if ANISOTROPIC == 1
     vec2 gloss = vec2(float(texel.z & 0x7ffu), float((texel.z >> 11) & 0xfffu)) * vec2(1.0 / 2047.0, 1.0 / 4095.0);
     m.confidence = float(texel.y >> 29) * (1.0 / 7.0);
     m.specular_colour = colour_of(texel.z >> 30, (texel.z >> 23) & 0x7fu, texel.x >> 25);
     m.stretch = vec2(float(texel.w & 0xffu), float((texel.w >> 8) & 0xffu)) * (1.0 / 127.0) - 1.0;
-#elif COLOURED == 1
+#elif SPECULAR_COLOUR == 1
     vec2 gloss = vec2(float(texel.z & 0xfffu), float((texel.z >> 12) & 0x1fffu)) * vec2(1.0 / 4095.0, 1.0 / 8191.0);
     m.confidence = float(texel.w & 0x3fu) * (1.0 / 63.0);
     m.specular_colour = colour_of((texel.w >> 6) & 3u, texel.z >> 25, (texel.w >> 8) & 0x7fu);
@@ -138,10 +138,10 @@ Material smooth_in(vec2 at, int level, bool here) {
     m.roughness = sqrt(dot(w, alpha * alpha));
     m.height = dot(w, vec4(a.height, b.height, c2.height, d.height));
     m.confidence = dot(w, vec4(a.confidence, b.confidence, c2.confidence, d.confidence));
-#if COLOURED == 1
+#if SPECULAR_COLOUR == 1
     m.specular_colour = w.x * a.specular_colour + w.y * b.specular_colour + w.z * c2.specular_colour + w.w * d.specular_colour;
 #endif
-#if DRAWN_OUT == 1
+#if ANISOTROPIC == 1
     m.stretch = w.x * a.stretch + w.y * b.stretch + w.z * c2.stretch + w.w * d.stretch;
 #endif
     return m;

@@ -77,9 +77,9 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
         definitions += fmt::format("#define {} {}\n", name, value);
     };
     define("WARD_MODEL", static_cast<int>(scene.model));
-    define("LAW", scene.reflectance_model == ReflectanceModel{} ? 0 : 1);
-    define("COLOURED", tiles_->range().coloured_specular ? 1 : 0);
-    define("DRAWN_OUT", tiles_->range().anisotropic_specular ? 1 : 0);
+    define("REFLECTANCE_MODEL", scene.reflectance_model == ReflectanceModel{} ? 0 : 1);
+    define("SPECULAR_COLOUR", tiles_->range().coloured_specular ? 1 : 0);
+    define("ANISOTROPIC", tiles_->range().anisotropic_specular ? 1 : 0);
     define("FILTER", shot.smooth ? 1 : 0);
     define("AT_HOME", by_table ? 0 : 1);
     define("LIGHTS", static_cast<int>(std::max<std::size_t>(scene.lights.size(), 1)));

@@ -72,7 +72,7 @@ class Drawing {
       return;
     }
     const [x, y, z] = scene.light, shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, second_lobe_weight] = data.reflectance_model;
-    const definitions = Object.entries({WARD_MODEL: 2, LAW: roughness || second_lobe_weight ? 1 : 0, COLOURED: data.coloured_specular ? 1 : 0, DRAWN_OUT: data.anisotropic_specular ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
+    const definitions = Object.entries({WARD_MODEL: 2, REFLECTANCE_MODEL: roughness || second_lobe_weight ? 1 : 0, SPECULAR_COLOUR: data.specular_colour ? 1 : 0, ANISOTROPIC: data.anisotropic_specular ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
       LIGHTS: 1, NEAR: 0, BENDS: 0, BEAMS: 0, SHADOWS: shadows, EYE: 1, MODE: scene.look, OUTPUT: 1, GREY: 1, BARE: 0}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
     const {program, at} = this.program(definitions);
     gl.useProgram(program);
@@ -91,7 +91,7 @@ class Drawing {
     gl.uniform4fv(at('u_light'), [x, y, z, 0]);
     gl.uniform3fv(at('u_gain'), [1, 1, 1]);
     gl.uniform2fv(at('u_place'), [Math.atan2(y, x) / (2 * Math.PI), Math.asin(clamp(z, -1, 1))]);
-    gl.uniform2fv(at('u_law'), data.reflectance_model);
+    gl.uniform2fv(at('u_reflectance_model'), data.reflectance_model);
     gl.uniform1f(at('u_light_radius'), 1.5 * degree);
     gl.uniform4f(at('u_viewport'), rectangle.left, rectangle.bottom, rectangle.width, rectangle.height);
     gl.uniformMatrix3fv(at('u_to_painting'), false, shot.matrix);
