@@ -130,7 +130,7 @@ std::shared_ptr<const Surface> in_scale_of(const Canvas& canvas, std::shared_ptr
     scaled->scale_known = canvas.scale_known();
     Photography& p = scaled->photography;
     p.photos.clear();
-    p.lights.reset();
+    p.light_model.reset();
     p.beams.reset();
     for (auto* mm : {&p.rig.camera_distance_mm, &p.rig.light_distance_mm})
         if (*mm) **mm *= unit_mm;

@@ -204,7 +204,7 @@ TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
     const LightCalibration two = scene.calibrated();
     set_thread_count(before);
     EXPECT_EQ(to_json(one), to_json(two));
-    EXPECT_EQ(one.lights, two.lights);
+    EXPECT_EQ(one.light_model, two.light_model);
 }
 
 // By less than the last bit of any file.

@@ -92,7 +92,7 @@ TEST(PhotographyJson, RoundTripsRigAndLights) {
     p.light_model = LightModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
     const Photography back = photography_from_json(json::parse(to_json(p).dump()));
     EXPECT_EQ(back.rig, p.rig);
-    EXPECT_EQ(back.lights, p.lights);
+    EXPECT_EQ(back.light_model, p.light_model);
     EXPECT_EQ(back.beams, p.beams);
     EXPECT_EQ(back.photos.at(0).light.beam, p.photos[0].light.beam);
 }
@@ -113,7 +113,7 @@ TEST(PhotographyJson, OfVersion01HasADistantRig) {
     j.erase("rig");
     const Photography back = photography_from_json(j);
     EXPECT_EQ(back.rig, Rig{});
-    EXPECT_FALSE(back.lights);
+    EXPECT_FALSE(back.light_model);
 }
 
 }  // namespace
