@@ -33,7 +33,7 @@ inline std::vector<std::string> fit_in_words(const nlohmann::json& result) {
     const nlohmann::json& photos = result.at("photographs");
     std::string aside;
     for (const auto& [count, why] : {std::pair(photos.at("held_out").get<std::size_t>(), "more held out"),
-                                     std::pair(photos.at("rejected").size(), "left out")})
+                                     std::pair(photos.at("rejected").size(), "rejected")})
         if (count > 0) aside += fmt::format("{}{} {}", aside.empty() ? " (" : ", ", count, why);
     const auto painting = result.at("painting").get<std::string>();
     const double seconds = result.at("seconds").get<double>();

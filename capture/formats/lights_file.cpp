@@ -180,7 +180,7 @@ public:
                 "{}: its first line says {} lights, but {} follow; {} are used", file_name_, *count, lines_,
                 used == lines_ ? fmt::format("all {}", used) : std::to_string(used)));
         for (const RejectedPhoto& light : result_.rejected)
-            result_.warnings.push_back(light.reason + "; its photograph is left out");
+            result_.warnings.push_back(light.reason + "; its photograph is rejected");
         return std::move(result_);
     }
 

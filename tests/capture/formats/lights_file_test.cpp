@@ -160,7 +160,7 @@ TEST(LightsFile, ThatIsEmptyIsAnError) {
         EXPECT_EQ(error_in(text), expected);
 }
 
-// Few among many lines that are lights: the photographs are left out, the line is named.
+// Few among many lines that are lights: the photographs are rejected, the line is named.
 TEST(LightsFile, PassesOverFewLinesThatAreNone) {
     const std::string good = "a.jpg 0 0 1\nb.jpg 1 0 1\nc.jpg 0 1 1\nd.jpg 1 1 1\n";
     for (const char* bad : {"e.jpg 0 nan 1", "e.jpg 0 0 0", "e.jpg 0 up 1"}) {
@@ -169,7 +169,7 @@ TEST(LightsFile, PassesOverFewLinesThatAreNone) {
         ASSERT_EQ(file.rejected.size(), 1u) << bad;
         EXPECT_EQ(file.rejected[0].name, "e.jpg") << bad;
         EXPECT_THAT(file.warnings, testing::ElementsAre(testing::AllOf(StartsWith("x.lp, line 6: "),
-                                                                       testing::HasSubstr("left out"))))
+                                                                       testing::HasSubstr("rejected"))))
             << bad;
     }
     const LightsFile twice = parse("6\n" + good + "e.jpg 1 2 3\nb.jpg 0 1 1\nf.jpg 0 2 1\n");

@@ -25,7 +25,7 @@ std::string warnings_with(const std::vector<int>& replaced, const Image<Rgb>& by
 TEST(RegisterStack, NamesABlackPhotographAndGoesOn) {
     std::size_t left = 0;
     EXPECT_THAT(warnings_with({4}, Image<Rgb>(kWidth, kHeight, Rgb(0)), left),
-                testing::AllOf(testing::HasSubstr("photo_004.png"), testing::HasSubstr("left out 1")));
+                testing::AllOf(testing::HasSubstr("photo_004.png"), testing::HasSubstr("rejected 1")));
     EXPECT_EQ(left, 11u);
 }
 

@@ -161,7 +161,7 @@ TEST(MirrorSphere, IsNotFoundInPhotographsWithoutOne) {
                 AllOf(HasSubstr("no mirror sphere found"), HasSubstr("--sphere X,Y,R")));
 }
 
-// Photograph 3 of 8 is spoilt; it alone is left out, and the warning names it and says why.
+// Photograph 3 of 8 is spoilt; it alone is rejected, and the warning names it and says why.
 struct Spoilt {
     std::string name, said;
     ChangeScene change;
@@ -199,7 +199,7 @@ TEST(MirrorSphere, LeavesOutPhotographsWhoseHighlightIsNone) {
         const SphereCalibration c = calibrate_from_spheres(paths, {.fixed_camera = true});
         EXPECT_EQ(c.calibrated(), 7);
         EXPECT_FALSE(c.lights[3].direction);
-        EXPECT_THAT(c.warnings, Contains(AllOf(HasSubstr("sphere_03.png: left out"),
+        EXPECT_THAT(c.warnings, Contains(AllOf(HasSubstr("sphere_03.png: rejected"),
                                                HasSubstr("sphere 1 at (140, 106)"), HasSubstr(spoilt.said))));
         EXPECT_LT(mean_error_deg(c, lights), 0.5);
         EXPECT_EQ(c.usable_lights().size(), 7u);

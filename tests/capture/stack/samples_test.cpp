@@ -102,7 +102,7 @@ TEST(Samples, OfAPhotographWithoutAnyLeaveItOut) {
     leave_out_black_photos(stack, surveyed, 4);
     EXPECT_EQ(stack.photos.size(), 4u);
     EXPECT_THAT(stack.warnings,
-                ElementsAre(AllOf(HasSubstr("left out 1 photograph that has no pixel here with a number"),
+                ElementsAre(AllOf(HasSubstr("rejected 1 photograph that has no pixel here with a number"),
                                   HasSubstr("photo_003.exr"))));
 }
 

@@ -208,7 +208,7 @@ TEST(OpenStack, LeavesOutALightFromBelowWithAWarning) {
                 ElementsAre("photo_000.png", "photo_002.png", "photo_003.png", "photo_004.png"));
     EXPECT_THAT(stack.warnings,
                 ElementsAre(dir.path().string() +
-                            "/lights.lp: left out 1 photograph lit from below the painting's plane: "
+                            "/lights.lp: rejected 1 photograph lit from below the painting's plane: "
                             "photo_001.png (z = -0.4472)"));
     const UsableStack usable = open_usable_stack(dir.path(), {});
     ASSERT_EQ(usable.rejected.size(), 1u);

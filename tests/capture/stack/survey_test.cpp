@@ -176,7 +176,7 @@ TEST(LeaveOutBlackPhotos, TakesThemOutOfStackAndSurveyWithAWarning) {
     leave_out_black_photos(stack, s);
     EXPECT_THAT(stack.warnings,
                 ElementsAre(dir.path().string() +
-                            ": left out 2 photographs that are black: photo_001.png, photo_004.png"));
+                            ": rejected 2 photographs that are black: photo_001.png, photo_004.png"));
     ASSERT_EQ(stack.photos.size(), 5u);
     ASSERT_EQ(s.photos.size(), 5u);
     EXPECT_EQ(stack.photos[1].light.name, "photo_002.png");
@@ -214,7 +214,7 @@ TEST(LeaveOutBlackPhotos, OfADarkStackAreThoseWithoutLight) {
     Survey s = survey(stack);
     leave_out_black_photos(stack, s);
     EXPECT_THAT(stack.warnings,
-                ElementsAre(dir.path().string() + ": left out 1 photograph that is black: photo_002.png"));
+                ElementsAre(dir.path().string() + ": rejected 1 photograph that is black: photo_002.png"));
     for (const Light& light : lights)  // caps on
         write_picture(dir / light.name, Image<Rgb>(8, 6, Rgb(1e-3f)), {}, {.bits = 16});
     Stack black = open_stack(dir.path());

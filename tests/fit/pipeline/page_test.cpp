@@ -72,7 +72,7 @@ TEST(FitPage, ShowsEachPhotographsLightAndMisfit) {
     const auto has = [&](const char* text) { return page.find(text) != std::string::npos; };
     for (const char* part :
          {"<title>a &lt;fit&gt;</title>", "&lt;b&gt;&amp;.png", "strength", "Transfer curve", "Misfit",
-          "photographs left out, dB", "data:image/jpeg;base64,/9j/", "</html>"})
+          "validation photographs, dB", "data:image/jpeg;base64,/9j/", "</html>"})
         EXPECT_TRUE(has(part)) << part;
     for (const char* part : {"<b>&.png", ">nan", "-nan"}) EXPECT_FALSE(has(part)) << part;
 }

@@ -110,7 +110,7 @@ TEST(CliBadLights, LineIsNamed) {
         stack.change_lights([&](auto& lines) { lines[4] = wrong.line; });
         std::vector<std::string> said = wrong.said;
         said.push_back("lights.lp, line 5: ");
-        said.push_back("left out");
+        said.push_back("rejected");
         const bool twice = wrong.name == "Twice";  // and two photographs have no light then
         EXPECT_EQ(expect_warned(stack, said)["photographs"]["fitted"], twice ? 10 : 11);
     }
@@ -130,7 +130,7 @@ TEST(CliBadLights, FromBelowAreLeftOut) {
     const TinyStack stack;
     stack.change_lights([&](auto& lines) { lines[3] = stack.name(2) + " 0.6 0 -0.8"; });
     const auto result = expect_warned(
-        stack, {"lights.lp: left out 1 photograph lit from below", stack.name(2) + " (z = -0.8000)"});
+        stack, {"lights.lp: rejected 1 photograph lit from below", stack.name(2) + " (z = -0.8000)"});
     EXPECT_EQ(result["photographs"]["fitted"], 11);
 }
 

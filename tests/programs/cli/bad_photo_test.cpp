@@ -68,7 +68,7 @@ TEST(CliBadPhoto, IsTruncatedInAnyFormat) {
         const std::string whole = bytes_of(stack.photo(2));
         write_bytes(stack.photo(2), whole.substr(0, whole.size() * 2 / 3));
         SCOPED_TRACE(name_of(format));
-        const auto result = expect_warned(stack, {stack.name(2), "left out"});
+        const auto result = expect_warned(stack, {stack.name(2), "rejected"});
         EXPECT_EQ(result["photographs"]["fitted"], 11);
         EXPECT_EQ(names_rejected(result), std::vector<std::string>{stack.name(2)});
         fs::remove(stack.out("a.exr"));
@@ -84,7 +84,7 @@ TEST(CliBadPhoto, HasDamagedPixels) {
     std::string bytes = bytes_of(png.photo(2));
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
     write_bytes(png.photo(2), bytes);
-    const auto result = expect_warned(png, {png.name(2), "cannot be decoded", "left out"});
+    const auto result = expect_warned(png, {png.name(2), "cannot be decoded", "rejected"});
     EXPECT_EQ(result["photographs"]["fitted"], 11);
     EXPECT_EQ(names_rejected(result), std::vector<std::string>{png.name(2)});
     EXPECT_TRUE(ended(tangipaint({"fit", png.path(), "--out", png.out("a.exr"), "--hold-out", "3,5",
@@ -93,7 +93,7 @@ TEST(CliBadPhoto, HasDamagedPixels) {
     EXPECT_NE(bytes_of(png.out("a.html")).find(png.name(2) + ": cannot be decoded"), std::string::npos);
 
     const Finished compared = tangipaint({"compare", png.out("a.exr"), png.path(), "--out", png.out("c")});
-    ASSERT_TRUE(ended(compared, 0, {png.name(2), "left out"}));
+    ASSERT_TRUE(ended(compared, 0, {png.name(2), "rejected"}));
     EXPECT_EQ(compared.json()["mean"]["all"]["count"], 11);
 
     const TinyStack tga;
@@ -105,7 +105,7 @@ TEST(CliBadPhoto, HasDamagedPixels) {
     const std::string second = fs::path(tga.photo(2)).replace_extension(".tga");
     write_bytes(second, bytes_of(second).substr(0, 1500));
     EXPECT_EQ(
-        expect_warned(tga, {second, "is damaged", "copy it again", "left out"})["photographs"]["fitted"], 11);
+        expect_warned(tga, {second, "is damaged", "copy it again", "rejected"})["photographs"]["fitted"], 11);
 }
 
 // The same picture twice: whichever light is right, the other is not.
@@ -113,7 +113,7 @@ TEST(CliBadPhoto, IsACopyOfAnother) {
     const TinyStack stack;
     fs::copy_file(stack.photo(3), stack.photo(7), fs::copy_options::overwrite_existing);
     const auto result =
-        expect_warned(stack, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "left out"});
+        expect_warned(stack, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "rejected"});
     EXPECT_EQ(result["photographs"]["fitted"], 10);
     fs::remove(stack.out("a.exr"));
     for (int i = 0; i < 12; ++i)
@@ -126,7 +126,7 @@ TEST(CliBadPhoto, IsACopyOfAnotherWhereAPaintingIsCompared) {
     ASSERT_TRUE(ended(tangipaint({"fit", stack.path(), "--out", stack.out("a.exr")}), 0));
     fs::copy_file(stack.photo(3), stack.photo(7), fs::copy_options::overwrite_existing);
     const Finished run = tangipaint({"compare", stack.out("a.exr"), stack.path(), "--out", stack.out("c")});
-    ASSERT_TRUE(ended(run, 0, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "left out"}));
+    ASSERT_TRUE(ended(run, 0, {stack.name(3) + ", " + stack.name(7) + " are the same picture", "rejected"}));
     EXPECT_EQ(run.json()["photos"].size(), 10u);
     EXPECT_EQ(run.json()["rejected"].size(), 2u);
 }
@@ -152,7 +152,7 @@ TEST(CliBadPhoto, IsBlack) {
     const TinyStack stack;
     write_picture(stack.photo(1), Image<Rgb>(32, 32), Transfer{});
     const auto result =
-        expect_warned(stack, {stack.path(), "left out 1 photograph that is black", stack.name(1)});
+        expect_warned(stack, {stack.path(), "rejected 1 photograph that is black", stack.name(1)});
     EXPECT_EQ(result["photographs"]["fitted"], 11);
     for (int i = 0; i < 12; ++i) write_picture(stack.photo(i), Image<Rgb>(32, 32), Transfer{});
     fs::remove(stack.out("a.exr"));

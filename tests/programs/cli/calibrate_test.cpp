@@ -24,7 +24,7 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
     std::filesystem::copy_file(paths[0], dir / "photos" / "mask.png");
     const Finished run =
         tangipaint({"calibrate", (dir / "photos").string(), "--out", (dir / "lights.lp").string()});
-    ASSERT_TRUE(ended(run, 0, {"mask.png: left out", "sphere_04.png: rejected: sphere 1"}));
+    ASSERT_TRUE(ended(run, 0, {"mask.png: rejected", "sphere_04.png: rejected: sphere 1"}));
     const auto result = run.json();
     EXPECT_EQ(result["photographs"]["calibrated"], 5);
     EXPECT_EQ(result["photographs"]["rejected"], nlohmann::json({"ball_04.png"}));
@@ -120,7 +120,7 @@ TEST(CliCalibrate, GoesOnWithoutPhotographsThatCannotBeUsed) {
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
     write_bytes(paths[3], bytes);
     Finished run = calibrate({dir.path().string()});
-    ASSERT_TRUE(ended(run, 0, {name + ": cannot be decoded", "left out"}));
+    ASSERT_TRUE(ended(run, 0, {name + ": cannot be decoded", "rejected"}));
     EXPECT_EQ(run.json()["photographs"]["unusable"][0]["name"], name);
     EXPECT_EQ(run.json()["photographs"]["calibrated"], 8);
     EXPECT_THAT(bytes_of(dir / "a.html"), HasSubstr(name + ": cannot be decoded"));
@@ -248,7 +248,7 @@ TEST(CliCalibrate, FindsScaleAndColoursWithoutSpheres) {
                                           "--rectify", "--focal-px", "600"};
     const Finished run = tangipaint(all);
     ASSERT_TRUE(ended(
-        run, 0, {"p_9.nef: is not a camera raw", "left out", "no mirror sphere found", "without lights"}));
+        run, 0, {"p_9.nef: is not a camera raw", "rejected", "no mirror sphere found", "without lights"}));
     const auto result = run.json();
     EXPECT_TRUE(result["lights"].is_null());
     EXPECT_EQ(result["scale"]["method"], "ppi");

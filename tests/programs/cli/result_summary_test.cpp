@@ -41,7 +41,7 @@ TEST(ResultWords, OfAFitSayWhatItMadeHowGoodItIsAndWhatIsNext) {
     poor["poor"] = {"dark", "blurred"};
     EXPECT_THAT(
         fit_in_words(poor),
-        ElementsAre("a.exr: 640 × 480 pixels, scale unknown, from 1 photograph (2 left out), in 2.2 s",
+        ElementsAre("a.exr: 640 × 480 pixels, scale unknown, from 1 photograph (2 rejected), in 2.2 s",
                     "median confidence 0.91: poor, for the 2 reasons above, with 1 warning "
                     "(\"warnings\" in the result)",
                     "next: tangipaint compare a.exr PHOTOS --out report"));
