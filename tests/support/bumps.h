@@ -35,7 +35,8 @@ struct Bumps {
         return lights;
     }
 
-    // `inverse_distance` [1]: half the picture's width by the lights' distance. `ambient` [1]: light from all around.
+    // `inverse_distance` [1]: half the picture's width by the lights' distance. `ambient` [1]: light from all
+    // around.
     explicit Bumps(double steep, double inverse_distance = 0, double noise = 0.002, double ambient = 0,
                    std::vector<Light> lit_by = spiral())
         : lights(std::move(lit_by)) {
