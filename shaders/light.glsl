@@ -1,6 +1,6 @@
 // light.glsl: where light comes from, and what of it the relief keeps off; mirrors surface/maps/light.cpp and relight.cpp.
 // LIGHTS: their number; NEAR: 1 where some are near; BENDS: 1 where the rig's directions turn over the picture;
-// BEAMS: 1 where lights light it unevenly by themselves;
+// BEAMS: 1 where the lights are uneven by themselves;
 // SHADOWS: 0 none, 1 horizon map, 2 marched over the heights as surface/render/cast_shadows.cpp does, 3 horizons in the directions
 // of far lights, which are all the same: two directions of the map were mixed beforehand, once for all pixels.
 // Software renderers go through both sides of every branch: what is the same for all pixels is decided beforehand.

@@ -20,7 +20,7 @@ namespace tangi {
 constexpr double kWorstChart = 10;
 
 struct CaptureColour {
-    // Linear Rec. 709 in the light of the lights -> linear channels of the photographs, white balance
+    // Linear Rec. 709 under the lights -> linear channels of the photographs, white balance
     // included. The luminance of white stays: to_camera (1, 1, 1) has 1 for green.
     glm::dmat3 to_camera{1};
     Transfer transfer;        // that the photographs were linearised by when the chart was read

@@ -196,7 +196,7 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
                               s.tilt.angle_deg.y, light.angles.azimuth_deg, light.angles.elevation_deg);
     if (s.illuminant_now() != Illuminant::d65)
         status += fmt::format("   in {}", light_named(s.illuminant_now()));
-    if (!lit_from_front(s, placement)) status += "   the lights light its back: straighten it, or move them";
+    if (!lit_from_front(s, placement)) status += "   it is lit from behind: straighten it, or move them";
     if (s.treatment_state.state)
         status += fmt::format("   as it was: {}", title_of(*s.treatment_state.state));
     if (s.treatment_state.preview)

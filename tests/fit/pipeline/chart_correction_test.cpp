@@ -118,7 +118,7 @@ TEST(ChartColours, MakeReflectanceColorimetricAndAbsoluteAndRelitPhotographsAsBe
     EXPECT_NEAR(with.surface.photography.white_level, kWhiteLevel, 0.01 * kWhiteLevel);
     EXPECT_LT(mean_delta_e(with.surface.diffuse, photographed.painted.diffuse), 1);
     EXPECT_GT(mean_delta_e(without.surface.diffuse, photographed.painted.diffuse), 8);
-    // Gloss is white in the light of the lights, not in the camera's channels.
+    // Gloss is white under the lights, not in the camera's channels.
     EXPECT_NEAR(with.surface.specular(20, 10), 0.05, 0.01);
 
     const CompareReport a = compare(with.surface, photographed.open(true));
