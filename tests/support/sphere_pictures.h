@@ -74,7 +74,7 @@ inline std::vector<glm::dvec3> lights_around(int count, double cone_deg = 55) {
     return lights;
 }
 
-inline std::string sphere_photo_name(int number) { return fmt::format("ball_{:02}.png", number); }
+inline std::string sphere_photo_name(int number) { return fmt::format("sphere_{:02}.png", number); }
 
 // Writes the scene under each light and returns the paths; `change` may change the scene for a photograph, or
 // paint into its picture.

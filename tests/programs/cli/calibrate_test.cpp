@@ -27,7 +27,7 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
     ASSERT_TRUE(ended(run, 0, {"mask.png: rejected", "sphere_04.png: rejected: sphere 1"}));
     const auto result = run.json();
     EXPECT_EQ(result["photographs"]["calibrated"], 5);
-    EXPECT_EQ(result["photographs"]["rejected"], nlohmann::json({"ball_04.png"}));
+    EXPECT_EQ(result["photographs"]["rejected"], nlohmann::json({"sphere_04.png"}));
     const LightsFile file = read_lights_file(dir / "lights.lp");
     ASSERT_EQ(file.lights.size(), 5u);
     EXPECT_LT(degrees_between(glm::dvec3(file.lights[0].direction), lights[0]), 1);
@@ -38,7 +38,7 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
     EXPECT_TRUE(capture["lights"][4]["direction"].is_null());
     EXPECT_GT(capture["lights"][0]["direction_sigma_deg"].get<double>(), 0);
     const std::string page = bytes_of(dir / "capture.html");
-    for (const char* part : {"data:image/jpeg;base64,/9j/", "ball_04.png", "rejected: sphere 1", "</html>"})
+    for (const char* part : {"data:image/jpeg;base64,/9j/", "sphere_04.png", "rejected: sphere 1", "</html>"})
         EXPECT_THAT(page, HasSubstr(part));
     EXPECT_EQ(names_in(dir.path()),
               (std::vector<std::string>{"capture.html", "capture.json", "lights.lp", "photos"}));
