@@ -179,7 +179,7 @@ TEST(CliCalibrate, ReplacesOnlyWhatItWrote) {
     for (const char* name : {"second.lp", "second.json", "second.html"}) {
         const std::string ours = bytes_of(dir / name);
         write_bytes(dir / name,
-                    name == std::string("second.lp") ? "1\nball_00.png 0 0 1\n" : "{\"mine\": 1}\n");
+                    name == std::string("second.lp") ? "1\nsphere_00.png 0 0 1\n" : "{\"mine\": 1}\n");
         const std::string mine = bytes_of(dir / name);
         EXPECT_TRUE(
             ended(calibrate("second.lp"), 1, {name, "which is not as tangipaint wrote it", "--force"}));
