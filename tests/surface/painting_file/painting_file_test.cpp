@@ -146,7 +146,7 @@ TEST(PaintingFile, RefusesALawThatIsNone) {
     s.reflectance_model.second_lobe_weight = 1.5;
     write_painting(dir / "a.exr", s);
     EXPECT_EQ(error_of([&] { read_painting(dir / "a.exr"); }),
-              (dir / "a.exr").string() + ": second lobe = 1.5 is not from 0 to 1");
+              (dir / "a.exr").string() + ": second_lobe_weight = 1.5 is not from 0 to 1");
 }
 
 TEST(PaintingFile, KeepsAScaleToSevenDigits) {
