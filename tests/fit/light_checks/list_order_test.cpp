@@ -75,8 +75,8 @@ TEST(ListOrder, IsToldOfLightsThatWereTurnedInstead) {
     LightAxes taken;
     taken.rotation_deg = turn.turn_deg;
     EXPECT_THAT(doubt_of(order_of(bumps), {}, taken, names_of(bumps)),
-                AllOf(HasSubstr("is off by 1 photograph"), HasSubstr("leave out --lights-turn"),
-                      Not(HasSubstr("--lights-flip"))));
+                AllOf(HasSubstr("is off by 1 photograph"), HasSubstr("leave out --light-rotation-deg"),
+                      Not(HasSubstr("--light-axes"))));
 }
 
 TEST(ListOrder, AnEntryThatIsMissingIsToldWithItsPlace) {

@@ -183,14 +183,13 @@ TEST(CliBadLights, AxisIsMirrored) {
         }
     });
     const Finished wrong = fit({});
-    EXPECT_TRUE(ended(wrong, 3, {"poor result", "curl", "it is y", ": give --lights-flip-y\n"}));
+    EXPECT_TRUE(ended(wrong, 3, {"poor result", "curl", "it is y", ": give --light-axes x,-y,z\n"}));
     EXPECT_EQ(wrong.json()["light_axes_check"]["mirrored"], true);
-    const Finished flipped = fit({"--lights-flip-y"});
+    const Finished flipped = fit({"--light-axes", "x,-y,z"});
     EXPECT_TRUE(ended(flipped, 0));
     EXPECT_EQ(flipped.json()["dry_hash"], dry);
     // A hill is a valley, which is a surface, but casts other shadows.
-    EXPECT_TRUE(ended(fit({"--lights-flip-x"}), 3,
-                      {"cast shadows lie", ": give --lights-flip-y and leave out --lights-flip-x\n"}));
+    EXPECT_TRUE(ended(fit({"--light-axes=-x,y,z"}), 3, {"cast shadows lie", ": give --light-axes x,-y,z\n"}));
 }
 
 // Photographs that were turned, or taken with the camera turned, after the lights were noted.
@@ -212,10 +211,11 @@ TEST(CliBadLights, AllAreTurned) {
     const Finished wrong = fit({});
     EXPECT_TRUE(ended(wrong, 3,
                       {"poor result", "were all lights turned by -90 degrees", "cast shadows tell",
-                       ": give --lights-turn -90\n"}));
+                       ": give --light-rotation-deg -90\n"}));
     EXPECT_EQ(wrong.json()["light_axes_check"]["turned"]["wrong"], true);
-    EXPECT_TRUE(ended(fit({"--lights-turn", "-90"}), 0));
-    EXPECT_TRUE(ended(fit({"--lights-turn", "90"}), 3, {"cast shadows lie", "give --lights-turn -90\n"}));
+    EXPECT_TRUE(ended(fit({"--light-rotation-deg", "-90"}), 0));
+    EXPECT_TRUE(ended(fit({"--light-rotation-deg", "90"}), 3,
+                      {"cast shadows lie", "give --light-rotation-deg -90\n"}));
 }
 
 // What rests on a calibration that was called poor is poor, whatever else it looks like.
@@ -280,7 +280,8 @@ TEST(CliBadLights, AllAreTurnedByHalfATurn) {
         return tangipaint(flags);
     };
     EXPECT_TRUE(ended(fit({}), 0));
-    EXPECT_TRUE(ended(fit({"--lights-turn", "180"}), 3, {"cast shadows lie", ": leave out --lights-turn\n"}));
+    EXPECT_TRUE(ended(fit({"--light-rotation-deg", "180"}), 3,
+                      {"cast shadows lie", ": leave out --light-rotation-deg\n"}));
 }
 
 TEST(CliBadLights, NumbersMakeNoSense) {
@@ -292,7 +293,7 @@ TEST(CliBadLights, NumbersMakeNoSense) {
         return tangipaint(words);
     };
     for (const char* value : {"nan", "inf", "1e300"})
-        for (const char* flag : {"--noise", "--mm-per-pixel", "--white-level", "--lights-turn"})
+        for (const char* flag : {"--noise", "--mm-per-pixel", "--white-level", "--light-rotation-deg"})
             EXPECT_TRUE(ended(with(flag, value), 2, {flag, value, "See: tangipaint fit --help"}));
     for (const char* crop : {"0,0,0,5", "0,0,-3,-3", "-9,0,5,5", "nan,0,5,5", "0,0,1e300,5"})
         EXPECT_TRUE(ended(with("--crop", crop), 2, {"--crop", crop, "See: tangipaint fit --help"}));

@@ -31,7 +31,7 @@ TEST(CliBadOrder, OfOnePhotographIsNoTurn) {
     EXPECT_TRUE(ended(shifted, 3,
                       {"poor result: the list of lights is off by 1 photograph",
                        stack.name(2) + " fits the light of " + stack.name(1)}));
-    EXPECT_EQ(shifted.err.find("give --lights-turn"), std::string::npos) << shifted.err;
+    EXPECT_EQ(shifted.err.find("give --light-rotation-deg"), std::string::npos) << shifted.err;
     // Whichever of painting and list is wrong.
     const auto compare = [&](const char* painting) {
         return tangipaint({"compare", stack.out(painting), stack.path(), "--out", stack.out("c")});
@@ -42,8 +42,9 @@ TEST(CliBadOrder, OfOnePhotographIsNoTurn) {
     EXPECT_TRUE(ended(compare("a.exr"), 3, {"poor result: the list of lights is off by 1 photograph"}));
     // What slopes alone advise, taken all the same.
     const double turn = shifted.json()["light_axes_check"]["turned"]["turn_deg"];
-    const Finished turned = fit({"--lights-turn", fmt::format("{:.0f}", turn > 90 ? turn - 180 : turn)});
-    EXPECT_TRUE(ended(turned, 3, {"is off by 1 photograph", "leave out --lights-turn"}));
+    const Finished turned =
+        fit({"--light-rotation-deg", fmt::format("{:.0f}", turn > 90 ? turn - 180 : turn)});
+    EXPECT_TRUE(ended(turned, 3, {"is off by 1 photograph", "leave out --light-rotation-deg"}));
 }
 
 }  // namespace
