@@ -157,13 +157,13 @@ private:
         if (!std::holds_alternative<EndEvent>(event)) ++journal_.lines_lost;
         if (std::holds_alternative<UndoEvent>(event) || std::holds_alternative<RedoEvent>(event))
             journal_.warnings.push_back(
-                {line_, fmt::format("the '{}' is rejected: it would reach back beyond a line that is lost",
+                {line_, fmt::format("the '{}' is left out: it would reach back beyond a line that is lost",
                                     name_of(event))});
     }
 
     void lose(std::string why) {
         if (const std::string place = where() + ": "; why.starts_with(place)) why.erase(0, place.size());
-        journal_.warnings.push_back({line_, fmt::format("cannot be read, and is rejected: {}", why)});
+        journal_.warnings.push_back({line_, fmt::format("cannot be read, and is left out: {}", why)});
         ++journal_.lines_lost;
         if (after_.in_stroke()) journal_.entries.push_back({line_, EndEvent{}});
         after_.lose();

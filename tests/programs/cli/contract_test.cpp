@@ -39,7 +39,7 @@ TEST(CliHelp, ExplainsEachCommandTheSameWayByBothSpellings) {
 TEST(CliHelp, SaysItsVersion) {
     const Finished version = tangipaint({"--version"});
     EXPECT_TRUE(ended(version, 0));
-    EXPECT_THAT(version.out, testing::MatchesRegex("tangipaint [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+    EXPECT_THAT(version.out, testing::MatchesRegex("tangipaint [0-9]+\\.[0-9]+\\.[0-9]+(-dev)?\n"));
 }
 
 TEST(CliUsage, WithoutACommandHelpIsOnStderr) {
