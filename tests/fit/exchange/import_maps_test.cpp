@@ -124,13 +124,14 @@ TEST(ImportMaps, WhatComesBackLooksAlikeUnderEveryLight) {
     EXPECT_EQ(own.second_lobe_weight, 0);
     write_text_file(dir / "maps.json", "{\"scale_known\": false, \"photography\": 7}");
     EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json"));
-    write_text_file(dir / "maps.json", "{\"second lobe\": 0.5}");  // of another program
+    write_text_file(dir / "maps.json", "{\"second_lobe_weight\": 0.5}");  // of another program
     EXPECT_FALSE(as_described(dir.path(), {}).second_lobe_weight);
     for (const auto& [text, named] :
          {std::pair("{", "not JSON"),
-          std::pair("{\"scale_known\": true, \"second lobe\": 7}", "second lobe = 7"),
+          std::pair("{\"scale_known\": true, \"second_lobe_weight\": 7}", "second_lobe_weight = 7"),
           std::pair("{\"scale_known\": true, \"mm_per_pixel\": -3}", "mm_per_pixel = -3"),
-          std::pair("{\"scale_known\": true, \"second lobe\": \"x\"}", "second lobe = \"x\"")}) {
+          std::pair("{\"scale_known\": true, \"second_lobe_weight\": \"x\"}",
+                    "second_lobe_weight = \"x\"")}) {
         write_text_file(dir / "maps.json", text);
         EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr("maps.json: ")) << text;
         EXPECT_THAT(error_of([&] { as_described(dir.path(), {}); }), HasSubstr(named)) << text;
