@@ -189,6 +189,7 @@ void look_of(WindowState& s) {
     slide("Exposure", s.exposure_stops, -4, 4, "%.1f stops");
     slide("Highlight compression", s.shoulder, 0, 0.9f, "%.2f");
     int model = static_cast<int>(s.model);
+    leave_room_for("Ward model (expert)");
     if (ImGui::Combo("Ward model (expert)", &model, "1992\0Duer\0bounded\0"))
         s.model = static_cast<WardModel>(model);
     ImGui::Checkbox("Probe", &s.probing);

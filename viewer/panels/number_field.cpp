@@ -105,6 +105,7 @@ std::optional<double> typed_in_place(const char* label, ImGuiID id, const Number
 // `draw` is Dear ImGui's own slider or drag of `value`.
 template <class T, class Draw>
 bool typed_or(const char* label, T& value, double low, double high, const char* format, const Draw& draw) {
+    leave_room_for(label);
     const ImGuiID id = ImGui::GetID(label);
     const NumberFormat parts = parts_of(format);
     std::optional<double> entered;
@@ -160,6 +161,13 @@ std::optional<int> whole(double value, const char* label) {
 }
 
 }  // namespace
+
+void leave_room_for(const char* label) {
+    constexpr float kNarrowest_px = 40;
+    const float beside = ImGui::CalcTextSize(label, nullptr, true).x + ImGui::GetStyle().ItemInnerSpacing.x;
+    const float most = ImGui::GetContentRegionAvail().x - beside;
+    if (ImGui::CalcItemWidth() > most) ImGui::SetNextItemWidth(std::max(most, kNarrowest_px));
+}
 
 std::optional<std::string> number_complaint() { return std::exchange(complaint, {}); }
 

@@ -36,6 +36,9 @@ bool type_number(const char* label, int& value, int low, int high);
 // A colour [sRGB], with its components from 0 to 255.
 bool colour_field(const char* label, Rgb& srgb);
 
+// Makes the next item so narrow that its label, which stands to the right of it, ends within the column.
+void leave_room_for(const char* label);
+
 // What was wrong with what was typed, once.
 std::optional<std::string> number_complaint();
 

@@ -129,7 +129,7 @@ TEST_F(ControllersStrokes, AStepOfAnotherProgramIsSaid) {
     EXPECT_THAT(painter_->fetch().messages, testing::ElementsAre(HasSubstr("changed by another program")));
     t.ask.fill = true;
     settle();
-    EXPECT_THAT(said_.back(), HasSubstr("log"));
+    EXPECT_THAT(said_.back(), HasSubstr("record"));
     show(folder_ / "a.treatment" / "painting.exr");
     settle();
     EXPECT_TRUE(left_over(recovery_files(folder_ / "a.treatment" / "painting.exr")));
