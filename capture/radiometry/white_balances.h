@@ -1,8 +1,8 @@
 // white_balances.h: the colour of the light in each photograph beside that of the others: a white balance
 // that the camera chose anew, lights of several colours.
 //
-// What matt paint sends back has, in each channel, the paint's reflectance times the light's strength times the
-// camera's gain, whatever its slope: ln(red / green) and ln(blue / green) of a pixel are a number of the
+// What matt paint sends back has, in each channel, the paint's reflectance times the light's strength times
+// the camera's gain, whatever its slope: ln(red / green) and ln(blue / green) of a pixel are a number of the
 // pixel plus one of the photograph. A veil of gloss adds white light: it changes these numbers the more, the
 // darker and the more coloured a pixel is, and those of a neutral one not at all. Both are told apart by a
 // line through what all pixels say of a photograph, taken where a veil changes nothing (colour_line.h).

@@ -59,8 +59,8 @@ FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer&
                          const HeightEvidence& evidence, Image<HalfError>* error_mm,
                          const Progress& progress);
 
-// {"cliffs", "subpixel_slope_bias", "before_refining", "carved", "light_visibility": {"all", "contradicted_before",
-// "contradicted"}, "tried": [{"cliffs", "subpixel_slope_bias", "before_refining",
+// {"cliffs", "subpixel_slope_bias", "before_refining", "carved", "light_visibility": {"all",
+// "contradicted_before", "contradicted"}, "tried": [{"cliffs", "subpixel_slope_bias", "before_refining",
 // "shadow_misfit"}, …]}
 nlohmann::json to_json(const HeightChoice& choice);
 
