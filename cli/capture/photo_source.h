@@ -1,4 +1,4 @@
-// photo_source.h: photographs as `compare` reads them, and as the book that the window holds against a
+// photo_source.h: photographs as `compare` reads them, and as the window compares them with a
 // painting.
 #pragma once
 

@@ -143,7 +143,7 @@ Command paint_command() {
             a->substrate.add_to(flags);
             flags.option("--out", a->out,
                          "where a new canvas is saved (.exr); untitled-1.exr where not given");
-            flags.option("--photos", a->photos.folder, "folder of photographs to hold against the painting");
+            flags.option("--photos", a->photos.folder, "folder of photographs to compare the painting with");
             flags.option("--lights", a->photos.lights,
                          "their lights file (.lp); where not given, the only one in the folder");
             flags.option("--capture", a->photos.capture, "their capture.json");

@@ -130,7 +130,7 @@ Command import_command() {
             flags.option("--lobe", a->lobe,
                          "colours of lobes, that specular is multiplied by; white without");
             flags.option("--roughness-v", a->roughness_v,
-                         "of lobes that are anisotropic (brushed metal), with --tangent: alpha across the "
+                         "of anisotropic lobes (brushed metal), with --tangent: alpha across the "
                          "tangent; along it, it is roughness^2 over this");
             flags.option(
                 "--tangent", a->tangent,

@@ -26,7 +26,7 @@ struct WindowSetup {
     bool file_is_new = false;
     int width = 1280, height = 800;  // [pixels] of the window
     HostServices workshop{};
-    std::filesystem::path photos{};    // a folder of photographs to hold against it at once
+    std::filesystem::path photos{};    // a folder of photographs to compare it with at once
     std::optional<Monitor> monitor{};  // its colours; without: as the screen says, else sRGB
     bool monitor_is_srgb = false;      // whatever the screen says
     RenderingIntent intent = RenderingIntent::relative;

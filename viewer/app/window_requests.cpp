@@ -254,7 +254,7 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
     if (ask.save_dialog)
         choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);
     if (ask.photos_dialog && !state_.from_photographs)
-        say("this painting was not fitted to photographs: there is nothing to hold against it");
+        say("this painting was not fitted to photographs: there is nothing to compare it with");
     else if (ask.photos_dialog)
         choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
     if (ask.fit_dialog)

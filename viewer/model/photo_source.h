@@ -1,4 +1,4 @@
-// photo_source.h: photographs to hold against the painting, as the window wants them.
+// photo_source.h: photographs to compare the painting with, as the window wants them.
 //
 // Who relights and measures is not the viewer's business: cli/ makes a book of capture/ and fit/, which the
 // viewer may not use (docs/developer/architecture.md), and hands it to the window.

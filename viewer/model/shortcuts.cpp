@@ -99,7 +99,7 @@ const std::vector<Shortcut>& shortcuts() {
         {dry, "dry", "D", "dry the wet paint"},
         {undo, "undo", "Ctrl+Z", "undo"},
         {redo, "redo", "Ctrl+Y Ctrl+Shift+Z", "redo"},
-        {compare, "compare", "C", "photographs: hold them against the painting, or not"},
+        {compare, "compare", "C", "compare with photographs, or not"},
         {compare_way, "compare-way", "V", "side by side, wipe, blink, difference, colour difference"},
         {next_photo, "next-photo", "PageDown", "next photograph"},
         {previous_photo, "previous-photo", "PageUp", "previous photograph"},
