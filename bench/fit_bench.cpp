@@ -330,7 +330,7 @@ void height(benchmark::State& state) {
         }
     Image<float> z;
     HeightReport report;
-    for (auto _ : state) report = integrate_normals(normal, confidence, 1, z);
+    for (auto _ : state) report = integrate_normals({normal, confidence, 1}, z);
     double square = 0;
     for (std::size_t i = 0; i < z.size(); ++i)
         square +=

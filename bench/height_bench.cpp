@@ -25,7 +25,7 @@ int main(int argc, char** argv) try {
         const std::clock_t processor = std::clock();
         const auto clock = std::chrono::steady_clock::now();
         const tangi::HeightReport report =
-            integrate_normals(surface.normal, surface.confidence, surface.mm_per_pixel, height, options);
+            integrate_normals({surface.normal, surface.confidence, surface.mm_per_pixel}, height, options);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - clock;
         fmt::print("{:7} {:7} {:10.1e} {:>9} {:7.2f} {:11.2f}\n", report.robust_sweeps, report.cycles,
                    report.residual, report.converged, seconds.count(),

@@ -206,6 +206,62 @@ void take_axes(const MapFiles& files, const fs::path& first, Surface& s) {
     for (std::size_t i = 0; i < tangent.size(); ++i) s.lobe_axes.pixels()[i].tangent = tangent.pixels()[i].r;
 }
 
+void require_importable(const MapFiles& files, const ImportOptions& options) {
+    if (!(least_alpha(options) < greatest_alpha(options)))
+        fail("import.alpha_min must be less than import.alpha_max");
+    if (!files.diffuse)
+        fail("no diffuse map: give a folder with kd, diffuse or albedo in it, or --diffuse FILE");
+    if (!files.normals && !files.height)
+        fail("{}: comes with neither normals nor height; give --normals FILE or --height FILE",
+             files.diffuse->string());
+}
+
+void take_diffuse(const Image<Rgb>& map, const ImportOptions& options, Surface& s) {
+    const Transfer transfer{options.diffuse_srgb.value_or(false) ? Transfer::Kind::srgb
+                                                                 : Transfer::Kind::linear};
+    for (std::size_t i = 0; i < map.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            s.diffuse.pixels()[i][c] = transfer.decode(std::max(map.pixels()[i][c], 0.0f));
+}
+
+// What the options say of the painting as a whole.
+void take_description(const ImportOptions& options, Surface& s) {
+    s.mm_per_pixel = options.mm_per_pixel.value_or(1);
+    s.scale_known = options.mm_per_pixel.has_value() && options.scale_known;
+    s.photography = options.photography;
+    s.reflectance_model = {.diffuse_roughness = options.diffuse_roughness.value_or(0),
+                           .second_lobe_weight = options.second_lobe_weight.value_or(0)};
+}
+
+// rho_s and the colours of lobes.
+void take_lobe(const MapFiles& files, const fs::path& first, Surface& s, ImportReport& report_) {
+    if (files.specular) {
+        const Image<Rgb> map = read_map(*files.specular, s, first);
+        warn_outside_unit(map, *files.specular, "rho_s", report_, luminance);
+        for (std::size_t i = 0; i < map.size(); ++i)
+            s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
+    }
+    if (files.lobe) {
+        s.specular_colour = read_map(*files.lobe, s, first);
+        for (Rgb& colour : s.specular_colour.pixels()) colour = glm::clamp(colour, 0.0f, 1.0f);
+    }
+}
+
+// From the height.
+void derive_normals(Surface& s, ImportReport& report_) {
+    s.normal = normals_of(s.height_mm, s.mm_per_pixel);
+    for (float& confidence : s.confidence.pixels()) confidence = 1;
+    report_.measured = report_.pixels;
+}
+
+// Takes the plane of the support off the height.
+void level(Surface& s, ImportReport& report_) {
+    const Plane plane = best_plane(s.height_mm, s.confidence);
+    subtract(plane, s.height_mm);
+    report_.support_tilt_deg =
+        std::atan(std::hypot(plane.a, plane.b) / s.mm_per_pixel) * 180 / std::numbers::pi;
+}
+
 // What is told of maps beside them. Throws Error where that cannot be read.
 nlohmann::json told_in(const fs::path& path) {
     nlohmann::json about = read_json(read_text_file(path), path.string());
@@ -302,65 +358,32 @@ MapFiles find_maps(const fs::path& folder, const MapFiles& named) {
 Surface import_maps(const MapFiles& files, const ImportOptions& options, ImportReport& report_,
                     const Progress& progress) {
     validate(options);
-    if (!(least_alpha(options) < greatest_alpha(options)))
-        fail("import.alpha_min must be less than import.alpha_max");
-    if (!files.diffuse)
-        fail("no diffuse map: give a folder with kd, diffuse or albedo in it, or --diffuse FILE");
-    if (!files.normals && !files.height)
-        fail("{}: comes with neither normals nor height; give --normals FILE or --height FILE",
-             files.diffuse->string());
+    require_importable(files, options);
     const fs::path& first = *files.diffuse;
     Surface s;
-    const Transfer transfer{options.diffuse_srgb.value_or(false) ? Transfer::Kind::srgb
-                                                                 : Transfer::Kind::linear};
     report(progress, "read maps", 0);
-    {
-        const Image<Rgb> map = read_map(first, s, first);
-        for (std::size_t i = 0; i < map.size(); ++i)
-            for (int c = 0; c < 3; ++c)
-                s.diffuse.pixels()[i][c] = transfer.decode(std::max(map.pixels()[i][c], 0.0f));
-    }
-    s.mm_per_pixel = options.mm_per_pixel.value_or(1);
-    s.scale_known = options.mm_per_pixel.has_value() && options.scale_known;
-    s.photography = options.photography;
-    s.reflectance_model = {.diffuse_roughness = options.diffuse_roughness.value_or(0),
-                           .second_lobe_weight = options.second_lobe_weight.value_or(0)};
+    take_diffuse(read_map(first, s, first), options, s);
+    take_description(options, s);
     report_.pixels = static_cast<long>(s.height_mm.size());
     report(progress, "read maps", 0.2);
-    if (files.specular) {
-        const Image<Rgb> map = read_map(*files.specular, s, first);
-        warn_outside_unit(map, *files.specular, "rho_s", report_, luminance);
-        for (std::size_t i = 0; i < map.size(); ++i)
-            s.specular.pixels()[i] = std::max(luminance(map.pixels()[i]), 0.0f);
-    }
-    if (files.lobe) {
-        s.specular_colour = read_map(*files.lobe, s, first);
-        for (Rgb& colour : s.specular_colour.pixels()) colour = glm::clamp(colour, 0.0f, 1.0f);
-    }
+    take_lobe(files, first, s, report_);
     report(progress, "read maps", 0.4);
     take_roughness(files, options, first, s, report_);
     take_axes(files, first, s);
     report(progress, "read maps", 0.6);
     if (files.height) take_height(read_map(*files.height, s, first), *files.height, options, s);
     report(progress, "read maps", 0.8);
-    if (files.normals) {
+    if (files.normals)
         take_normals(read_map(*files.normals, s, first), *files.normals, options.normals_y_down, s, report_);
-    } else {
-        s.normal = normals_of(s.height_mm, s.mm_per_pixel);
-        for (float& confidence : s.confidence.pixels()) confidence = 1;
-        report_.measured = report_.pixels;
-    }
+    else
+        derive_normals(s, report_);
     if (files.confidence)
         take_confidence(read_map(*files.confidence, s, first), *files.confidence, s, report_);
     report_.height.converged = true;
     if (!files.height)
-        report_.height = integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm,
+        report_.height = integrate_normals({s.normal, s.confidence, s.mm_per_pixel}, s.height_mm,
                                            kWithoutPhotographs, progress);
-    if (options.levelled && files.height) return s;
-    const Plane plane = best_plane(s.height_mm, s.confidence);
-    subtract(plane, s.height_mm);
-    report_.support_tilt_deg =
-        std::atan(std::hypot(plane.a, plane.b) / s.mm_per_pixel) * 180 / std::numbers::pi;
+    if (!options.levelled || !files.height) level(s, report_);
     return s;
 }
 

@@ -37,6 +37,13 @@ struct HeightReport {
     int robust_sweeps = 0;  // taken
 };
 
+// What is integrated. All have one size.
+struct MeasuredNormals {
+    const Image<Vec3>& normal;
+    const Image<float>& confidence;  // [1]
+    double mm_per_pixel;
+};
+
 // What an integration is for, beside the slopes.
 struct HeightTask {
     Image<HalfError>* error_mm = nullptr;  // where not null, becomes height_errors() (height_error.h)
@@ -58,8 +65,8 @@ struct HeightTask {
 // 1977): slopes of a cliff are no integral of its height, and what goes around it knows better. The constant
 // is fixed by a mean of 0. Solved by multigrid (height_grid.h), down to the tolerance or to the rounding of
 // floats; the result does not depend on the number of threads. Memory beyond the surface: 21 bytes a pixel.
-HeightReport integrate_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,
-                               Image<float>& height_mm, const HeightOptions& options = {},
-                               const Progress& progress = {}, const HeightTask& task = {});
+HeightReport integrate_normals(const MeasuredNormals& measured, Image<float>& height_mm,
+                               const HeightOptions& options = {}, const Progress& progress = {},
+                               const HeightTask& task = {});
 
 }  // namespace tangi

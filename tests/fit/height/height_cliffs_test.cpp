@@ -48,7 +48,7 @@ struct Loss {
 
 Image<float> integrated(const Loss& loss, const HeightOptions& options) {
     Image<float> z;
-    integrate_normals(loss.normal, loss.confidence, 1, z, options);
+    integrate_normals({loss.normal, loss.confidence, 1}, z, options);
     return z;
 }
 
@@ -165,7 +165,7 @@ TEST(HeightCliffs, LossesOfAGeneratedPaintingKeepTheirDepth) {
         open_stack(folder.path(), {.transfer = Transfer{}}),
         {.white_level = 0.75, .mm_per_pixel = 0.1, .register_photos = false, .lights_as_given = true});
     Image<float> smeared;
-    integrate_normals(fit.surface.normal, fit.surface.confidence, 0.1, smeared, {.robust_sweeps = 0});
+    integrate_normals({fit.surface.normal, fit.surface.confidence, 0.1}, smeared, {.robust_sweeps = 0});
     const double robust = loss_depth(fit.surface.height_mm, truth), plain = loss_depth(smeared, truth);
     std::cout << fmt::format(
         "[  FIGURE  ] depth of a generated loss, of its true one: {:.3f}, by least squares {:.3f}\n", robust,

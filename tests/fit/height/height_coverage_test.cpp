@@ -82,7 +82,7 @@ double height_coverage(const PaintingOptions& painting, const GeneratorOptions& 
 double part_of_spread(const Image<Vec3>& normal, const PaintingTruth& truth, double mm) {
     const Image<float> known(normal.width(), normal.height(), 1.0f);
     Image<float> off;
-    integrate_normals(normal, known, mm, off, {.robust_sweeps = 0});
+    integrate_normals({normal, known, mm}, off, {.robust_sweeps = 0});
     for (std::size_t i = 0; i < off.size(); ++i) off.pixels()[i] -= truth.height_mm.pixels()[i];
     Image<float> mean = off;
     box_mean(mean, kHeightErrorWindow / 2);

@@ -48,7 +48,7 @@ TEST(HeightError, HoldsTheTruthInIts95PercentInterval) {
     const NoisyWaves waves(240, 200, 1);
     Image<float> z;
     Image<HalfError> error;
-    integrate_normals(waves.normal, waves.confidence, 1, z, {}, {}, {.error_mm = &error});
+    integrate_normals({waves.normal, waves.confidence, 1}, z, {}, {}, {.error_mm = &error});
     for (std::size_t i = 0; i < z.size(); ++i) z.pixels()[i] -= waves.height.pixels()[i];
     const Image<float> off = without_mean(z);
     double inside[2] = {}, count[2] = {}, square[2] = {}, stated[2] = {};
@@ -77,7 +77,7 @@ TEST(HeightError, IsProportionalToThatOfTheSlopesAndToThePixel) {
         const NoisyWaves waves(120, 100, noise);
         Image<float> z;
         Image<HalfError> error;
-        integrate_normals(waves.normal, waves.confidence, mm_per_pixel, z, {}, {}, {.error_mm = &error});
+        integrate_normals({waves.normal, waves.confidence, mm_per_pixel}, z, {}, {}, {.error_mm = &error});
         double sum = 0;
         for (const HalfError e : error.pixels()) sum += e / static_cast<double>(error.size());
         return sum;
@@ -97,7 +97,7 @@ TEST(HeightError, IsZeroWhereNothingWasMeasuredAndLargerBesideIt) {
         }
     Image<float> z;
     Image<HalfError> error;
-    integrate_normals(waves.normal, waves.confidence, 1, z, {}, {}, {.error_mm = &error});
+    integrate_normals({waves.normal, waves.confidence, 1}, z, {}, {}, {.error_mm = &error});
     EXPECT_EQ(error(60, 50), 0.0f);
     EXPECT_GT(error(47, 50), 1.5f * error(10, 50));
 }
@@ -108,7 +108,7 @@ TEST(HeightError, DoesNotDependOnTheNumberOfThreads) {
         set_thread_count(threads);
         Image<float> z;
         Image<HalfError> error;
-        integrate_normals(waves.normal, waves.confidence, 1, z, {}, {}, {.error_mm = &error});
+        integrate_normals({waves.normal, waves.confidence, 1}, z, {}, {}, {.error_mm = &error});
         return error;
     };
     const Image<HalfError> one = errors(1), two = errors(2);
@@ -129,7 +129,7 @@ TEST(HeightError, HoldsTheTruthWhereSlopesAreRightAndReliefIsAsFineAsPixels) {
                                       static_cast<float>(-0.3 * k * (0.4 * std::cos(u) + std::cos(v)))});
         }
     Image<HalfError> error;
-    integrate_normals(normal, known, 1, z, {.robust_sweeps = 0}, {}, {.error_mm = &error});
+    integrate_normals({normal, known, 1}, z, {.robust_sweeps = 0}, {}, {.error_mm = &error});
     for (std::size_t i = 0; i < z.size(); ++i) z.pixels()[i] -= truth.pixels()[i];
     const Image<float> off = without_mean(z);
     double inside = 0;
@@ -146,7 +146,7 @@ TEST(HeightError, IsLargerWhereEdgesDisagreeWithTheHeight) {
     const auto error_at_the_pixel = [&] {
         Image<float> z;
         Image<HalfError> error;
-        integrate_normals(normal, confidence, 1, z, {.robust_sweeps = 0}, {}, {.error_mm = &error});
+        integrate_normals({normal, confidence, 1}, z, {.robust_sweeps = 0}, {}, {.error_mm = &error});
         return float(error(30, 30));
     };
     // Relief all around, so that spreads are alike with and without.

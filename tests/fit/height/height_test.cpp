@@ -86,7 +86,7 @@ Shape paraboloid() {
 Image<float> integrated(const Sampled& s, double mm_per_pixel = 1, HeightReport* report = nullptr,
                         const HeightOptions& options = {}) {
     Image<float> height;
-    const HeightReport r = integrate_normals(s.normal, s.confidence, mm_per_pixel, height, options);
+    const HeightReport r = integrate_normals({s.normal, s.confidence, mm_per_pixel}, height, options);
     if (report) *report = r;
     return height;
 }
@@ -308,7 +308,7 @@ TEST(Height, StopsAtItsLimitAndSaysThatItHasNotConverged) {
 TEST(Height, StopsWhenAsked) {
     const Sampled s = sampled(cap_and_sines(), 64, 64);
     Image<float> height;
-    EXPECT_THROW(integrate_normals(s.normal, s.confidence, 1, height, {},
+    EXPECT_THROW(integrate_normals({s.normal, s.confidence, 1}, height, {},
                                    [](std::string_view, double) { return false; }),
                  Cancelled);
 }

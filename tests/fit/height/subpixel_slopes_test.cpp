@@ -62,7 +62,7 @@ TEST(MixedSlopes, ShortWavesKeepTheirHeight) {
                 truth(x, y) = static_cast<float>(height);
             }
         if (mixing >= 0) normal = steepened_normals(normal, known, mixing);
-        integrate_normals(normal, known, 1, z, {.robust_sweeps = 0});
+        integrate_normals({normal, known, 1}, z, {.robust_sweeps = 0});
         double product = 0, square = 0;
         for (std::size_t i = 0; i < z.size(); ++i) {
             product += z.pixels()[i] * truth.pixels()[i];

@@ -44,7 +44,7 @@ struct FittedRelief {
                 const double t = s / kHalfConfidence;
                 surface.confidence(x, y) = static_cast<float>(1 / (1 + t * t));
             }
-        integrate_normals(surface.normal, surface.confidence, 0.25, surface.height_mm);
+        integrate_normals({surface.normal, surface.confidence, 0.25}, surface.height_mm);
     }
 };
 
