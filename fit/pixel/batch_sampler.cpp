@@ -47,50 +47,67 @@ HWY_INLINE V exp_of(V x) {
     return choose(hn::Gt(x, hn::Zero(Floats())), hn::Div(all(1), small), small);
 }
 
+// Where lanes are: [mm], and how directions bend there.
+struct LanePlaces {
+    V x, y, z, bend_x, bend_y;
+};
+
+HWY_INLINE void look_from(const Rig& rig, const LanePlaces& p, int at, WardBatch& b) {
+    V vx = hn::Zero(Floats()), vy = vx, vz = all(1);
+    if (rig.camera_distance_mm) {
+        vx = hn::Sub(all(rig.camera_axis_mm.x), p.x);
+        vy = hn::Sub(all(rig.camera_axis_mm.y), p.y);
+        vz = hn::Sub(all(*rig.camera_distance_mm), p.z);
+        const V inverse = hn::Div(all(1), hn::Sqrt(fma(vx, vx, fma(vy, vy, hn::Mul(vz, vz)))));
+        vx = hn::Mul(vx, inverse);
+        vy = hn::Mul(vy, inverse);
+        vz = hn::Mul(vz, inverse);
+    }
+    store(vx, b.view[0], at);
+    store(vy, b.view[1], at);
+    store(vz, b.view[2], at);
+}
+
+// Stores the direction of light i; returns its falloff [1], with its beam.
+HWY_INLINE V light_from(const BatchLight& light, const Rig& rig, const LanePlaces& p, int at,
+                        std::array<WardLane, 3>& direction) {
+    V lx = all(light.at.x), ly = all(light.at.y), lz = all(light.at.z), falloff = all(1);
+    if (rig.bend_per_mm != 0) bend(p.bend_x, p.bend_y, all(light.length2), lx, ly, lz);
+    if (light.near) {
+        lx = hn::Sub(lx, p.x);
+        ly = hn::Sub(ly, p.y);
+        lz = hn::Sub(lz, p.z);
+        const V distance2 = fma(lx, lx, fma(ly, ly, hn::Mul(lz, lz)));
+        falloff = hn::Div(all(light.length2), distance2);
+        const V inverse = hn::Div(all(1), hn::Sqrt(distance2));
+        lx = hn::Mul(lx, inverse);
+        ly = hn::Mul(ly, inverse);
+        lz = hn::Mul(lz, inverse);
+    }
+    if (light.uneven) {
+        V log_part = hn::Mul(all(light.beam[4]), hn::Mul(p.y, p.y));
+        log_part = fma(hn::Mul(all(light.beam[3]), p.x), p.y, log_part);
+        log_part = fma(hn::Mul(all(light.beam[2]), p.x), p.x, log_part);
+        log_part = fma(all(light.beam[0]), p.x, fma(all(light.beam[1]), p.y, log_part));
+        falloff = hn::Mul(falloff, exp_of(log_part));
+    }
+    store(lx, direction[0], at);
+    store(ly, direction[1], at);
+    store(lz, direction[2], at);
+    return falloff;
+}
+
 void Illuminate(const BatchScene& scene, WardBatch& b) {
     const Rig& rig = *scene.rig;
     const auto channels = static_cast<std::size_t>(b.channels);
     for (int at = 0; at < kWardLanes; at += static_cast<int>(hn::Lanes(Floats()))) {
-        const V x = load(scene.x, at), y = load(scene.y, at), z = load(scene.z, at);
-        V vx = hn::Zero(Floats()), vy = vx, vz = all(1);
-        if (rig.camera_distance_mm) {
-            vx = hn::Sub(all(rig.camera_axis_mm.x), x);
-            vy = hn::Sub(all(rig.camera_axis_mm.y), y);
-            vz = hn::Sub(all(*rig.camera_distance_mm), z);
-            const V inverse = hn::Div(all(1), hn::Sqrt(fma(vx, vx, fma(vy, vy, hn::Mul(vz, vz)))));
-            vx = hn::Mul(vx, inverse);
-            vy = hn::Mul(vy, inverse);
-            vz = hn::Mul(vz, inverse);
-        }
-        store(vx, b.view[0], at);
-        store(vy, b.view[1], at);
-        store(vz, b.view[2], at);
-        const V rx = hn::Mul(all(rig.bend_per_mm), x), ry = hn::Mul(all(rig.bend_per_mm), y);
+        LanePlaces p;
+        p.x = load(scene.x, at), p.y = load(scene.y, at), p.z = load(scene.z, at);
+        p.bend_x = hn::Mul(all(rig.bend_per_mm), p.x), p.bend_y = hn::Mul(all(rig.bend_per_mm), p.y);
+        look_from(rig, p, at, b);
         for (std::size_t i = 0; i < scene.lights->size(); ++i) {
             const BatchLight& light = (*scene.lights)[i];
-            V lx = all(light.at.x), ly = all(light.at.y), lz = all(light.at.z), falloff = all(1);
-            if (rig.bend_per_mm != 0) bend(rx, ry, all(light.length2), lx, ly, lz);
-            if (light.near) {
-                lx = hn::Sub(lx, x);
-                ly = hn::Sub(ly, y);
-                lz = hn::Sub(lz, z);
-                const V distance2 = fma(lx, lx, fma(ly, ly, hn::Mul(lz, lz)));
-                falloff = hn::Div(all(light.length2), distance2);
-                const V inverse = hn::Div(all(1), hn::Sqrt(distance2));
-                lx = hn::Mul(lx, inverse);
-                ly = hn::Mul(ly, inverse);
-                lz = hn::Mul(lz, inverse);
-            }
-            if (light.uneven) {
-                V log_part = hn::Mul(all(light.beam[4]), hn::Mul(y, y));
-                log_part = fma(hn::Mul(all(light.beam[3]), x), y, log_part);
-                log_part = fma(hn::Mul(all(light.beam[2]), x), x, log_part);
-                log_part = fma(all(light.beam[0]), x, fma(all(light.beam[1]), y, log_part));
-                falloff = hn::Mul(falloff, exp_of(log_part));
-            }
-            store(lx, b.light[i][0], at);
-            store(ly, b.light[i][1], at);
-            store(lz, b.light[i][2], at);
+            const V falloff = light_from(light, rig, p, at, b.light[i]);
             store(all(rig.ambient), b.ambient[i], at);
             store(all(1), b.visible[i], at);
             for (std::size_t c = 0; c < channels; ++c)

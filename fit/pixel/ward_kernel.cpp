@@ -54,6 +54,8 @@ HWY_INLINE void back_substitute(const Factors& f, V (&x)[4]) {
 template <int C>
 struct Limits {
     V low[4 + C], high[4 + C];
+    V enough;  // fall of the cost; less is not worth a step
+    V most;    // iterations
 };
 
 // The damped step, 0 for parameters at a bound that the gradient pushes them over; returns by how much the
@@ -152,81 +154,120 @@ HWY_INLINE void take(M accepted, const System<C>& from, System<C>& to) {
     to.cost = choose(accepted, from.cost, to.cost);
 }
 
-// One register's worth of lanes from `at` on. Nielsen's damping (Madsen, Nielsen & Tingleff 2004, "Methods
-// for non-linear least squares problems", algorithm 3.16), as TinySolver has it.
+// How far the search of some lanes is.
+struct Progressed {
+    V damping, growth, iterations, converged;
+    M alive;
+};
+HWY_INLINE Progressed progressed(const WardSlots& s, int at) {
+    return {load(s.damping, at), load(s.damping_growth, at), load(s.iterations, at), load(s.converged, at),
+            hn::Gt(load(s.alive, at), hn::Zero(Floats()))};
+}
+
 template <int C>
-HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int fewest) {
-    const Floats d;
-    const V zero = hn::Zero(d), one = all(1);
-    Point<C> point;
+HWY_INLINE Limits<C> limits_of(const WardFitOptions& options) {
     Limits<C> limits;
+    const auto scale = static_cast<float>(options.robust_scale);
+    limits.enough = all(1e-3f / (scale * scale));
+    limits.most = all(static_cast<float>(options.max_iterations));
     for (int i = 0; i < 4 + C; ++i) {
-        point.theta[i] = load(s.theta[static_cast<std::size_t>(i)], at);
         const auto [low, high] = ward_interval(options.bounds, i);
         limits.low[i] = all(static_cast<float>(low));
         limits.high[i] = all(static_cast<float>(high));
     }
-    const auto scale = static_cast<float>(options.robust_scale);
-    const V enough = all(1e-3f / (scale * scale));  // fall of the cost that is not worth a step
-    V damping = load(s.damping, at), growth = load(s.damping_growth, at);
-    V iterations = load(s.iterations, at), converged = load(s.converged, at);
-    const V most = all(static_cast<float>(options.max_iterations));
-    M alive = hn::Gt(load(s.alive, at), zero);
-    const LaneModel reflectance_model = reflectance_model_of(options.reflectance_model);
-    System<C> system, trial;
-    const bool fresh = hn::AllTrue(d, hn::Eq(load(s.resumed, at), zero));
-    if (fresh)
-        evaluate<C>(s, reflectance_model, at, point, system);
-    else
-        each<C>(system, [&](V& v, int k) HWY_ATTR { v = load(s.system[static_cast<std::size_t>(k)], at); });
-    while (!hn::AllFalse(d, alive) && static_cast<int>(hn::CountTrue(d, alive)) >= fewest) {
-        V step[4 + C];
-        const V falls = step_of<C>(system, point, limits, damping, step);
-        // NaN counts as done: such lanes are never converged.
-        const M done = hn::AndNot(hn::Gt(falls, enough), alive);
-        converged = choose(hn::And(done, hn::Ge(falls, zero)), one, converged);
-        alive = hn::AndNot(done, alive);
-        if (hn::AllFalse(d, alive)) break;
-        Point<C> next;
-        for (int i = 0; i < 4 + C; ++i)
-            next.theta[i] = hn::Min(hn::Max(hn::Add(point.theta[i], step[i]), limits.low[i]), limits.high[i]);
-        evaluate<C>(s, reflectance_model, at, next, trial);
-        const V change = hn::Sub(system.cost, trial.cost);
-        const M free = hn::Le(damping, all(kFree));
-        const M better = hn::And(alive, hn::Gt(change, zero)), worse = hn::AndNot(better, alive);
-        // Nielsen's factor 1 - (2 rho - 1)^3 of an accepted step.
-        const V rho = hn::Min(hn::Div(change, hn::Max(falls, all(1e-20f))), all(2));
-        const V t = hn::Sub(hn::Add(rho, rho), one);
-        const V eased =
-            hn::Max(hn::Mul(damping, hn::Max(all(1.0f / 3), fnma(hn::Mul(t, t), t, one))), all(1e-7f));
-        damping = choose(better, eased, choose(worse, hn::Mul(damping, growth), damping));
-        growth = choose(better, all(2), choose(worse, hn::Add(growth, growth), growth));
-        iterations = hn::Add(iterations, keep(alive, one));
-        for (int i = 0; i < 4 + C; ++i) point.theta[i] = choose(better, next.theta[i], point.theta[i]);
-        take<C>(better, trial, system);
-        // Where the damping is low, a small fall is that of a step which nears the minimum.
-        const V little = choose(free, hn::Max(hn::Mul(all(kLittle), system.cost), enough), enough);
-        const M small = hn::And(better, hn::Lt(change, little));
-        const M stuck = hn::And(worse, hn::Gt(damping, all(1e8f)));
-        converged = choose(hn::Or(small, stuck), one, converged);
-        alive = hn::AndNot(hn::Or(hn::Or(small, stuck), hn::Ge(iterations, most)), alive);
-    }
+    return limits;
+}
+
+// Nielsen's factor 1 - (2 rho - 1)^3 of an accepted step; a growing one of a rejected step.
+HWY_INLINE void damp(M better, M worse, V change, V falls, Progressed& search) {
+    const V one = all(1), damping = search.damping, growth = search.growth;
+    const V rho = hn::Min(hn::Div(change, hn::Max(falls, all(1e-20f))), all(2));
+    const V t = hn::Sub(hn::Add(rho, rho), one);
+    const V eased =
+        hn::Max(hn::Mul(damping, hn::Max(all(1.0f / 3), fnma(hn::Mul(t, t), t, one))), all(1e-7f));
+    search.damping = choose(better, eased, choose(worse, hn::Mul(damping, growth), damping));
+    search.growth = choose(better, all(2), choose(worse, hn::Add(growth, growth), growth));
+}
+
+// One step of the lanes that are alive; false where none is left before it. Nielsen's damping (Madsen,
+// Nielsen & Tingleff 2004, "Methods for non-linear least squares problems", algorithm 3.16), as TinySolver
+// has it.
+template <int C>
+HWY_INLINE bool take_step(const WardSlots& s, const LaneModel& reflectance_model, const Limits<C>& limits,
+                          int at, Point<C>& point, System<C>& system, Progressed& search) {
+    const Floats d;
+    const V zero = hn::Zero(d), one = all(1);
+    const V enough = limits.enough;
+    V step[4 + C];
+    const V falls = step_of<C>(system, point, limits, search.damping, step);
+    // NaN counts as done: such lanes are never converged.
+    const M done = hn::AndNot(hn::Gt(falls, enough), search.alive);
+    search.converged = choose(hn::And(done, hn::Ge(falls, zero)), one, search.converged);
+    search.alive = hn::AndNot(done, search.alive);
+    if (hn::AllFalse(d, search.alive)) return false;
+    Point<C> next;
+    for (int i = 0; i < 4 + C; ++i)
+        next.theta[i] = hn::Min(hn::Max(hn::Add(point.theta[i], step[i]), limits.low[i]), limits.high[i]);
+    System<C> trial;
+    evaluate<C>(s, reflectance_model, at, next, trial);
+    const V change = hn::Sub(system.cost, trial.cost);
+    const M free = hn::Le(search.damping, all(kFree));
+    const M better = hn::And(search.alive, hn::Gt(change, zero)), worse = hn::AndNot(better, search.alive);
+    damp(better, worse, change, falls, search);
+    search.iterations = hn::Add(search.iterations, keep(search.alive, one));
+    for (int i = 0; i < 4 + C; ++i) point.theta[i] = choose(better, next.theta[i], point.theta[i]);
+    take<C>(better, trial, system);
+    // Where the damping is low, a small fall is that of a step which nears the minimum.
+    const V little = choose(free, hn::Max(hn::Mul(all(kLittle), system.cost), enough), enough);
+    const M small = hn::And(better, hn::Lt(change, little));
+    const M stuck = hn::And(worse, hn::Gt(search.damping, all(1e8f)));
+    search.converged = choose(hn::Or(small, stuck), one, search.converged);
+    const M spent = hn::Ge(search.iterations, limits.most);
+    search.alive = hn::AndNot(hn::Or(hn::Or(small, stuck), spent), search.alive);
+    return true;
+}
+
+// What is left of a search, for the next call and for who reads the results.
+template <int C>
+HWY_INLINE void leave(const Point<C>& point, System<C>& system, const Progressed& search, int at,
+                      WardSlots& s) {
+    const V one = all(1);
     for (int i = 0; i < 4 + C; ++i) store(point.theta[i], s.theta[static_cast<std::size_t>(i)], at);
     each<C>(system, [&](V& v, int k) HWY_ATTR { store(v, s.system[static_cast<std::size_t>(k)], at); });
     store(one, s.resumed, at);
     V variance[5];
     variances<C>(system, variance);
-    store(damping, s.damping, at);
-    store(growth, s.damping_growth, at);
-    store(iterations, s.iterations, at);
-    store(converged, s.converged, at);
-    store(keep(alive, one), s.alive, at);
+    store(search.damping, s.damping, at);
+    store(search.growth, s.damping_growth, at);
+    store(search.iterations, s.iterations, at);
+    store(search.converged, s.converged, at);
+    store(keep(search.alive, one), s.alive, at);
     store(system.cost, s.cost, at);
     store(variance[0], s.slope_variance, at);
     store(variance[1], s.ln_alpha_variance, at);
     store(variance[2], s.specular_variance, at);
     store(variance[3], s.diffuse_variance, at);
     store(variance[4], s.lobe_covariance, at);
+}
+
+// One register's worth of lanes from `at` on.
+template <int C>
+HWY_INLINE void run(WardSlots& s, const WardFitOptions& options, int at, int fewest) {
+    const Floats d;
+    Point<C> point;
+    for (int i = 0; i < 4 + C; ++i) point.theta[i] = load(s.theta[static_cast<std::size_t>(i)], at);
+    Progressed search = progressed(s, at);
+    const Limits<C> limits = limits_of<C>(options);
+    const LaneModel reflectance_model = reflectance_model_of(options.reflectance_model);
+    System<C> system;
+    const bool fresh = hn::AllTrue(d, hn::Eq(load(s.resumed, at), hn::Zero(d)));
+    if (fresh)
+        evaluate<C>(s, reflectance_model, at, point, system);
+    else
+        each<C>(system, [&](V& v, int k) HWY_ATTR { v = load(s.system[static_cast<std::size_t>(k)], at); });
+    while (!hn::AllFalse(d, search.alive) && static_cast<int>(hn::CountTrue(d, search.alive)) >= fewest)
+        if (!take_step<C>(s, reflectance_model, limits, at, point, system, search)) break;
+    leave<C>(point, system, search, at, s);
 }
 
 void RunSlots(WardSlots& slots, const WardFitOptions& options, int fewest) {

@@ -23,6 +23,7 @@ namespace HWY_NAMESPACE {
 constexpr std::array<int, kWidths> kPower = {0, 1, 3, 4, 6};
 constexpr int kPowers = kPower.back() + 3;
 constexpr float kLnWidest = -0.693147181f, kLnWidthStep = -0.346573590f, kWidestInverse2 = 4;
+constexpr float kLeastSpecular = 0.002f;  // [1] rho_s to start from: from 0 it would not move
 inline float ln_width(int k) {
     return kLnWidest + kLnWidthStep * static_cast<float>(kPower[static_cast<std::size_t>(k)]);
 }
@@ -67,11 +68,30 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
     return used;
 }
 
-// For each of five widths the rho_s that explains what the matt estimate leaves over, and its robust cost;
-// the cheapest wins. Least squares alone has two minima in alpha.
+// Lobes of all widths under a light of a photograph, for rho_s = 1, into `grey`.
+HWY_INLINE void store_lobes(const LaneModel& reflectance_model, const Geometry& g, Grey& grey, int at,
+                            V (&lobes)[kWidths]) {
+    const V shape = hn::Mul(g.shape, g.n_l);
+    // The second lobe is twice as wide: two powers before.
+    V power[kPowers];
+    power[0] = exp_negative(hn::Mul(g.tan2, all(-0.25f * kWidestInverse2)));
+    for (int k = 1; k < kPowers; ++k) power[k] = squared(power[k - 1]);
+    const V core = hn::Mul(shape, reflectance_model.core),
+            second_lobe_weight = hn::Mul(shape, hn::Mul(reflectance_model.second_lobe_weight, all(0.25f)));
+    for (int k = 0; k < kWidths; ++k) {
+        const int wide = kPower[static_cast<std::size_t>(k)];
+        V lobe = hn::Mul(core, power[wide + 2]);
+        if (reflectance_model.has_second_lobe) lobe = fma(second_lobe_weight, power[wide], lobe);
+        lobes[k] = hn::Mul(lobe, all(kWidestInverse2 * static_cast<float>(1 << wide)));
+        store(lobes[k], grey.reuse[k], at);
+    }
+}
+
+// For each width the rho_s that explains what the matt estimate leaves over. What is matt, and the lobes, are
+// left in `grey`.
 template <int C>
-HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, const V (&diffuse)[C],
-                           Grey* grey, int at, V& ln_alpha, V& specular) {
+HWY_INLINE void specular_candidates(const WardSlots& s, const WardFitOptions& options, const V (&diffuse)[C],
+                                    Grey* grey, int at, V (&candidate)[kWidths]) {
     const V zero = hn::Zero(Floats());
     const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
     const Facing f = facing(load(s.theta[0], at), load(s.theta[1], at), vx, vy, vz);
@@ -89,7 +109,7 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
         if (reflectance_model.rough)
             direct =
                 keep(g.lit, rough_diffuse(reflectance_model, g.n_l, hn::Mul(f.view_n, f.inverse), l_v).value);
-        const V matt = hn::Add(direct, load(light[3], at)), shape = hn::Mul(g.shape, g.n_l);
+        const V matt = hn::Add(direct, load(light[3], at));
         store(matt, grey[i].key, at);
         V left = zero, square = zero;  // sums over the channels of weight * residual, weight^2
         for (int c = 0; c < C; ++c) {
@@ -100,32 +120,27 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             left = fma(counted, over, left);
             square = fma(counted, counted, square);
         }
-        // The second lobe is twice as wide: two powers before.
-        V power[kPowers];
-        power[0] = exp_negative(hn::Mul(g.tan2, all(-0.25f * kWidestInverse2)));
-        for (int k = 1; k < kPowers; ++k) power[k] = squared(power[k - 1]);
-        const V core = hn::Mul(shape, reflectance_model.core),
-                second_lobe_weight =
-                    hn::Mul(shape, hn::Mul(reflectance_model.second_lobe_weight, all(0.25f)));
+        V lobes[kWidths];
+        store_lobes(reflectance_model, g, grey[i], at, lobes);
         for (int k = 0; k < kWidths; ++k) {
-            const int wide = kPower[static_cast<std::size_t>(k)];
-            V lobe = hn::Mul(core, power[wide + 2]);
-            if (reflectance_model.has_second_lobe) lobe = fma(second_lobe_weight, power[wide], lobe);
-            lobe = hn::Mul(lobe, all(kWidestInverse2 * static_cast<float>(1 << wide)));
-            store(lobe, grey[i].reuse[k], at);
-            numerator[k] = fma(lobe, left, numerator[k]);
-            denominator[k] = fma(hn::Mul(lobe, lobe), square, denominator[k]);
+            numerator[k] = fma(lobes[k], left, numerator[k]);
+            denominator[k] = fma(hn::Mul(lobes[k], lobes[k]), square, denominator[k]);
         }
     }
-    const V most = all(static_cast<float>(options.bounds.specular_max)), least = all(0.002f);
-    V candidate[kWidths];
-    LogProduct product[kWidths];
+    const V most = all(static_cast<float>(options.bounds.specular_max)), least = all(kLeastSpecular);
     for (int k = 0; k < kWidths; ++k) {
         const M some = hn::Gt(denominator[k], zero);
         const V ratio = keep(some, hn::Div(numerator[k], choose(some, denominator[k], all(1))));
         candidate[k] = hn::Min(hn::Max(ratio, least), most);
-        product[k] = empty_product();
     }
+}
+
+// Robust costs of the candidates, as products of 1 + s.
+template <int C>
+HWY_INLINE void cost_products(const WardSlots& s, const V (&diffuse)[C], const Grey* grey, int at,
+                              const V (&candidate)[kWidths], LogProduct (&product)[kWidths]) {
+    const V zero = hn::Zero(Floats());
+    for (int k = 0; k < kWidths; ++k) product[k] = empty_product();
     for (int i = 0; i < s.photos; ++i) {
         const V matt = load(grey[i].key, at);
         V weight[C], off[C];
@@ -145,11 +160,22 @@ HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, co
             multiply(product[k], factor);
         }
     }
+}
+
+// For each of five widths the rho_s that explains what the matt estimate leaves over, and its robust cost;
+// the cheapest wins. Least squares alone has two minima in alpha.
+template <int C>
+HWY_INLINE void start_lobe(const WardSlots& s, const WardFitOptions& options, const V (&diffuse)[C],
+                           Grey* grey, int at, V& ln_alpha, V& specular) {
+    V candidate[kWidths];
+    specular_candidates<C>(s, options, diffuse, grey, at, candidate);
+    LogProduct product[kWidths];
+    cost_products<C>(s, diffuse, grey, at, candidate, product);
     const V a_weight = load(s.prior_ln_alpha_weight, at), a_middle = load(s.prior_ln_alpha, at);
     const V s_weight = load(s.prior_specular_weight, at), s_middle = load(s.prior_specular, at);
     V best = all(std::numeric_limits<float>::infinity());
     ln_alpha = all(ln_width(2));
-    specular = least;
+    specular = all(kLeastSpecular);
     for (int k = 0; k < kWidths; ++k) {
         const V a_off = hn::Sub(all(ln_width(k)), a_middle), s_off = hn::Sub(candidate[k], s_middle);
         const V cost =

@@ -124,78 +124,98 @@ HWY_INLINE V make_grey(const WardBatch& b, Grey* grey, int at) {
     return count;
 }
 
-// photometric_stereo() but for the diffuse channels: weights are left in `grey`.
-HWY_INLINE M stereo(Grey* grey, const WardScratch& scratch, V count, int at, Vector& normal) {
-    const Floats d;
-    const int n = scratch.sorted;
+// Brightness of the samples of each lane: a fifth of the way from either end, and in the middle.
+struct Quantiles {
+    V low, middle, high;
+};
+HWY_INLINE Quantiles quantiles(Grey* grey, const WardScratch& scratch, V count, int at) {
     sort_keys(grey, scratch.network, at);
     WardLane counts, low, high, typical;
     store(count, counts, at);
-    for (int lane = at; lane < at + static_cast<int>(hn::Lanes(d)); ++lane) {
+    for (int lane = at; lane < at + static_cast<int>(hn::Lanes(Floats())); ++lane) {
         const int k = static_cast<int>(counts[lane]);
         if (k < 1) continue;  // 0 everywhere
         low[lane] = grey[k / 5].key[lane];
         high[lane] = grey[k - 1 - k / 5].key[lane];
         typical[lane] = grey[k / 2].key[lane];
     }
-    const PhotometricStereoOptions& options = kWardStereo;
-    const V highest = load(high, at), middle = load(typical, at);
-    const V lowest = hn::Max(load(low, at), hn::Mul(highest, all(static_cast<float>(options.shadow))));
-    M valid = hn::And(hn::Ge(count, all(3)), hn::Gt(middle, all(1e-5f)));
-    const V zero = hn::Zero(d);
-    normal = {zero, zero, all(1)};
-    Vector g = normal;
+    return {load(low, at), load(typical, at), load(high, at)};
+}
+
+// The first g, towards a flat surface: what is neither shadow nor highlight decides.
+HWY_INLINE M start_stereo(Grey* grey, int samples, const Quantiles& brightness_of, int at, Vector& g) {
+    const V lowest =
+        hn::Max(brightness_of.low, hn::Mul(brightness_of.high, all(static_cast<float>(kWardStereo.shadow))));
+    const Vector flat = g;
     Moments start = no_moments();
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < samples; ++i) {
         Grey& s = grey[i];
         const V brightness = load(s.weight, at);
-        const M between = hn::And(hn::Ge(brightness, lowest), hn::Le(brightness, highest));
+        const M between = hn::And(hn::Ge(brightness, lowest), hn::Le(brightness, brightness_of.high));
         const V weight = choose(between, all(1), all(0.01f));
         store(weight, s.weight, at);
         add(start, weight, {load(s.x, at), load(s.y, at), load(s.z, at)}, load(s.ambient, at),
-            load(s.value, at), normal);
+            load(s.value, at), flat);
     }
-    valid = hn::And(valid, solve(start, g));
-    const auto outlier = static_cast<float>(options.outlier_scale);
-    const V smallest = hn::Mul(middle, all(outlier));
-    V scale = hn::Mul(middle, all(4 * outlier));
-    M going = valid;
-    for (int iteration = 0; iteration < options.iterations; ++iteration) {
-        scale = hn::Max(hn::Mul(scale, all(0.7f)), smallest);
-        const V length = hn::Sqrt(dot(g, g));
-        const V tightness = hn::Div(all(1), hn::Max(hn::Mul(scale, scale), all(1e-30f)));
-        const V inverse = hn::Div(all(1), hn::Max(length, all(1e-30f)));
-        const Vector facing_g = {hn::Mul(g.x, inverse), hn::Mul(g.y, inverse), hn::Mul(g.z, inverse)};
-        const Vector before = g;
-        Moments sums = no_moments();
-        for (int i = 0; i < n; ++i) {
-            Grey& s = grey[i];
-            const Vector light = {load(s.x, at), load(s.y, at), load(s.z, at)};
-            const V direct = dot(before, light), ambient = load(s.ambient, at), value = load(s.value, at);
-            const V off = hn::Sub(value, fma(ambient, length, hn::Max(direct, zero)));
-            const V w =
-                hn::Div(all(1), fma(hn::Mul(off, off), hn::Mul(load(s.inverse2, at), tightness), all(1)));
-            const V weight = choose(hn::Gt(direct, zero), hn::Mul(w, w), all(1e-4f));
-            store(choose(going, weight, load(s.weight, at)), s.weight, at);
-            add(sums, weight, light, ambient, value, facing_g);
-        }
-        const M unique = solve(sums, g);
-        going = hn::And(going, unique);
-        g = {choose(going, g.x, before.x), choose(going, g.y, before.y), choose(going, g.z, before.z)};
-    }
+    return solve(start, g);
+}
+
+// One iteration of lanes that are still `going`: those that have no unique g are no more.
+HWY_INLINE void reweigh_stereo(Grey* grey, int samples, V scale, int at, M& going, Vector& g) {
     const V length = hn::Sqrt(dot(g, g));
-    valid = hn::And(valid, hn::Gt(length, all(1e-6f)));
+    const V tightness = hn::Div(all(1), hn::Max(hn::Mul(scale, scale), all(1e-30f)));
+    const V inverse = hn::Div(all(1), hn::Max(length, all(1e-30f)));
+    const Vector facing_g = {hn::Mul(g.x, inverse), hn::Mul(g.y, inverse), hn::Mul(g.z, inverse)};
+    const Vector before = g;
+    const V zero = hn::Zero(Floats());
+    Moments sums = no_moments();
+    for (int i = 0; i < samples; ++i) {
+        Grey& s = grey[i];
+        const Vector light = {load(s.x, at), load(s.y, at), load(s.z, at)};
+        const V direct = dot(before, light), ambient = load(s.ambient, at), value = load(s.value, at);
+        const V off = hn::Sub(value, fma(ambient, length, hn::Max(direct, zero)));
+        const V w = hn::Div(all(1), fma(hn::Mul(off, off), hn::Mul(load(s.inverse2, at), tightness), all(1)));
+        const V weight = choose(hn::Gt(direct, zero), hn::Mul(w, w), all(1e-4f));
+        store(choose(going, weight, load(s.weight, at)), s.weight, at);
+        add(sums, weight, light, ambient, value, facing_g);
+    }
+    const M unique = solve(sums, g);
+    going = hn::And(going, unique);
+    g = {choose(going, g.x, before.x), choose(going, g.y, before.y), choose(going, g.z, before.z)};
+}
+
+// The normal of g where that is `valid`, else (0, 0, 1). Steeper than can be seen: turned up to the steepest.
+HWY_INLINE Vector visible_normal(const Vector& g, V length, M valid) {
     const V inverse = hn::Div(all(1), choose(valid, length, all(1)));
-    normal = {hn::Mul(g.x, inverse), hn::Mul(g.y, inverse), hn::Mul(g.z, inverse)};
-    // Steeper than can be seen: turned up to the steepest.
+    const Vector normal = {hn::Mul(g.x, inverse), hn::Mul(g.y, inverse), hn::Mul(g.z, inverse)};
     const V across = hn::Sqrt(fma(normal.x, normal.x, hn::Mul(normal.y, normal.y)));
     const M steep = hn::And(valid, hn::Lt(normal.z, all(kSmallestZ))), flat = hn::Lt(across, all(1e-12f));
     const V turn = choose(
         steep, hn::Div(all(std::sqrt(1 - kSmallestZ * kSmallestZ)), choose(flat, all(1), across)), all(1));
-    normal = {hn::Mul(normal.x, turn), hn::Mul(normal.y, turn),
-              choose(steep, choose(flat, all(1), all(kSmallestZ)), normal.z)};
-    const M known = valid;
-    normal = {keep(known, normal.x), keep(known, normal.y), choose(known, normal.z, all(1))};
+    const V z = choose(steep, choose(flat, all(1), all(kSmallestZ)), normal.z);
+    return {keep(valid, hn::Mul(normal.x, turn)), keep(valid, hn::Mul(normal.y, turn)),
+            choose(valid, z, all(1))};
+}
+
+// photometric_stereo() but for the diffuse channels: weights are left in `grey`.
+HWY_INLINE M stereo(Grey* grey, const WardScratch& scratch, V count, int at, Vector& normal) {
+    const PhotometricStereoOptions& options = kWardStereo;
+    const Quantiles brightness = quantiles(grey, scratch, count, at);
+    M valid = hn::And(hn::Ge(count, all(3)), hn::Gt(brightness.middle, all(1e-5f)));
+    const V zero = hn::Zero(Floats());
+    Vector g = {zero, zero, all(1)};
+    valid = hn::And(valid, start_stereo(grey, scratch.sorted, brightness, at, g));
+    const auto outlier = static_cast<float>(options.outlier_scale);
+    const V smallest = hn::Mul(brightness.middle, all(outlier));
+    V scale = hn::Mul(brightness.middle, all(4 * outlier));
+    M going = valid;
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+        scale = hn::Max(hn::Mul(scale, all(0.7f)), smallest);
+        reweigh_stereo(grey, scratch.sorted, scale, at, going, g);
+    }
+    const V length = hn::Sqrt(dot(g, g));
+    valid = hn::And(valid, hn::Gt(length, all(1e-6f)));
+    normal = visible_normal(g, length, valid);
     return valid;
 }
 

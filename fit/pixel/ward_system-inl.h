@@ -166,61 +166,60 @@ HWY_INLINE void add_channel(const Block<C>& block, int n, int c, V (&h)[7], V& g
     gradient = g;
 }
 
-// In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
-// there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
+// What evaluate() needs of a point, whatever the photograph.
 template <int C>
-HWY_NOINLINE void evaluate(const WardSlots& s, const LaneModel& reflectance_model, int at,
-                           const Point<C>& point, System<C>& sum) {
-    const V zero = hn::Zero(Floats());
-    V channel[C][7];
-    for (V& v : sum.common) v = zero;
-    for (V& v : sum.gradient) v = zero;
-    for (auto& row : channel)
-        for (V& v : row) v = zero;
-    const V vx = load(s.view[0], at), vy = load(s.view[1], at), vz = load(s.view[2], at);
-    const Facing f = facing(point.theta[0], point.theta[1], vx, vy, vz);
-    const Shape shape = shape_at(s, at, f);
-    const V ln_alpha = point.theta[2], specular = point.theta[3];
+struct PointTerms {
+    V vx, vy, vz;
+    Facing facing_of;
+    Shape shape;
+    V inverse_alpha2, specular;
     V diffuse[C];
-    for (int c = 0; c < C; ++c) diffuse[c] = point.theta[4 + c];
-    const V alpha = exp_negative(ln_alpha);  // bounds keep it below 1
-    const V inverse_alpha2 = hn::Div(all(1), hn::Mul(alpha, alpha));
-    LogProduct product = empty_product();
-    Block<C> block;
-    for (int first = 0; first < s.photos; first += kBlock) {
-        const int n = std::min(kBlock, s.photos - first);
-        for (int i = 0; i < n; ++i) {
-            const auto& light = s.light[static_cast<std::size_t>(first + i)];
-            const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
-            const V l_v = fma(lx, vx, fma(ly, vy, hn::Mul(lz, vz)));
-            block.terms[i] =
-                ward_terms(reflectance_model, f, shape, inverse_alpha2, lx, ly, lz, load(light[3], at), l_v);
-        }
-        for (int i = 0; i < n; ++i) {
-            V weight[C], target[C], factor;
-            for (int c = 0; c < C; ++c) {
-                const auto index = static_cast<std::size_t>((first + i) * C + c);
-                weight[c] = load(s.weight[index], at);
-                target[c] = load(s.target[index], at);
-            }
-            residuals_of<C>(weight, target, diffuse, block.terms[i].matt,
-                            hn::Mul(specular, block.terms[i].lobe), block.square[i], block.linear[i], factor);
-            multiply(product, factor);
-        }
-        add_common<C>(block, n, diffuse, specular, sum);
-        for (int c = 0; c < C; ++c) add_channel<C>(block, n, c, channel[c], sum.gradient[4 + c]);
+};
+
+template <int C>
+HWY_INLINE PointTerms<C> point_terms(const WardSlots& s, int at, const Point<C>& point) {
+    PointTerms<C> p;
+    p.vx = load(s.view[0], at), p.vy = load(s.view[1], at), p.vz = load(s.view[2], at);
+    p.facing_of = facing(point.theta[0], point.theta[1], p.vx, p.vy, p.vz);
+    p.shape = shape_at(s, at, p.facing_of);
+    const V alpha = exp_negative(point.theta[2]);  // bounds keep it below 1
+    p.inverse_alpha2 = hn::Div(all(1), hn::Mul(alpha, alpha));
+    p.specular = point.theta[3];
+    for (int c = 0; c < C; ++c) p.diffuse[c] = point.theta[4 + c];
+    return p;
+}
+
+// The terms of n photographs from `first` on, and their residuals.
+template <int C>
+HWY_INLINE void fill_block(const WardSlots& s, const LaneModel& reflectance_model, int at,
+                           const PointTerms<C>& p, int first, int n, Block<C>& block, LogProduct& product) {
+    for (int i = 0; i < n; ++i) {
+        const auto& light = s.light[static_cast<std::size_t>(first + i)];
+        const V lx = load(light[0], at), ly = load(light[1], at), lz = load(light[2], at);
+        const V l_v = fma(lx, p.vx, fma(ly, p.vy, hn::Mul(lz, p.vz)));
+        block.terms[i] = ward_terms(reflectance_model, p.facing_of, p.shape, p.inverse_alpha2, lx, ly, lz,
+                                    load(light[3], at), l_v);
     }
-    for (int c = 0; c < C; ++c) {
-        V* h = sum.diffuse[c];
-        h[0] = fma(diffuse[c], channel[c][0], hn::Mul(specular, channel[c][2]));
-        h[1] = fma(diffuse[c], channel[c][1], hn::Mul(specular, channel[c][3]));
-        h[2] = hn::Mul(specular, channel[c][4]);
-        h[3] = channel[c][5];
-        h[4] = channel[c][6];
+    for (int i = 0; i < n; ++i) {
+        V weight[C], target[C], factor;
+        for (int c = 0; c < C; ++c) {
+            const auto index = static_cast<std::size_t>((first + i) * C + c);
+            weight[c] = load(s.weight[index], at);
+            target[c] = load(s.target[index], at);
+        }
+        residuals_of<C>(weight, target, p.diffuse, block.terms[i].matt,
+                        hn::Mul(p.specular, block.terms[i].lobe), block.square[i], block.linear[i], factor);
+        multiply(product, factor);
     }
+}
+
+// Priors of the lobe and of the slope. `product`: of the residuals.
+template <int C>
+HWY_INLINE void add_priors(const WardSlots& s, int at, const Point<C>& point, LogProduct& product,
+                           System<C>& sum) {
     const V a_weight = load(s.prior_ln_alpha_weight, at), s_weight = load(s.prior_specular_weight, at);
-    const V a_off = hn::Sub(ln_alpha, load(s.prior_ln_alpha, at));
-    const V s_off = hn::Sub(specular, load(s.prior_specular, at));
+    const V a_off = hn::Sub(point.theta[2], load(s.prior_ln_alpha, at));
+    const V s_off = hn::Sub(point.theta[3], load(s.prior_specular, at));
     sum.common[7] = hn::Add(sum.common[7], a_weight);
     sum.common[9] = hn::Add(sum.common[9], s_weight);
     sum.gradient[2] = fma(a_weight, a_off, sum.gradient[2]);
@@ -234,6 +233,37 @@ HWY_NOINLINE void evaluate(const WardSlots& s, const LaneModel& reflectance_mode
         sum.gradient[i] = fma(weight, off, sum.gradient[i]);
         sum.cost = fma(hn::Mul(weight, off), off, sum.cost);
     }
+}
+
+// In blocks, and each block in steps with few sums each: one loop over all of it would have more sums than
+// there are registers, and a chain of dependent operations too long to overlap with the next photograph's.
+template <int C>
+HWY_NOINLINE void evaluate(const WardSlots& s, const LaneModel& reflectance_model, int at,
+                           const Point<C>& point, System<C>& sum) {
+    const V zero = hn::Zero(Floats());
+    V channel[C][7];
+    for (V& v : sum.common) v = zero;
+    for (V& v : sum.gradient) v = zero;
+    for (auto& row : channel)
+        for (V& v : row) v = zero;
+    const PointTerms<C> p = point_terms<C>(s, at, point);
+    LogProduct product = empty_product();
+    Block<C> block;
+    for (int first = 0; first < s.photos; first += kBlock) {
+        const int n = std::min(kBlock, s.photos - first);
+        fill_block<C>(s, reflectance_model, at, p, first, n, block, product);
+        add_common<C>(block, n, p.diffuse, p.specular, sum);
+        for (int c = 0; c < C; ++c) add_channel<C>(block, n, c, channel[c], sum.gradient[4 + c]);
+    }
+    for (int c = 0; c < C; ++c) {
+        V* h = sum.diffuse[c];
+        h[0] = fma(p.diffuse[c], channel[c][0], hn::Mul(p.specular, channel[c][2]));
+        h[1] = fma(p.diffuse[c], channel[c][1], hn::Mul(p.specular, channel[c][3]));
+        h[2] = hn::Mul(p.specular, channel[c][4]);
+        h[3] = channel[c][5];
+        h[4] = channel[c][6];
+    }
+    add_priors<C>(s, at, point, product, sum);
 }
 
 }  // namespace HWY_NAMESPACE
