@@ -44,11 +44,12 @@ private:
 
 using WardSolver = ceres::TinySolver<WardFunction>;
 using WardMatrix = Eigen::Matrix<double, kWardParameters, kWardParameters>;
+using WardJacobian = Eigen::Matrix<double, Eigen::Dynamic, kWardParameters>;
 
 struct WardFitter::Workspace {
     WardSolver solver;
     PixelSamples samples;  // with the model's error in sigma
-    Eigen::Matrix<double, Eigen::Dynamic, kWardParameters> jacobian;
+    WardJacobian jacobian;
     Eigen::VectorXd residuals;
 };
 
@@ -116,6 +117,80 @@ void start_lobe(const PixelSamples& s, const WardResiduals& residuals, const War
     }
 }
 
+// The fit of one pixel, from several starts.
+struct PixelProblem {
+    const PixelSamples& samples;  // with the model's error in sigma
+    const WardPrior& prior;
+    const WardResiduals& residuals;
+    const WardFitOptions& options;
+
+    // Samples that are no bounds and the two priors of the lobe, less what is fitted; 1 at least.
+    double free_samples() const {
+        const auto known =
+            std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double sigma) { return sigma > 0; });
+        return static_cast<double>(std::max<std::ptrdiff_t>(known + 2 - residuals.parameters(), 1));
+    }
+};
+
+SolvedWard solve_from(const WardStart& from, const PixelProblem& problem, WardSolver& solver) {
+    const auto& [samples, prior, residuals, options] = problem;
+    WardVector theta = {from.slope.x,    from.slope.y,    prior.ln_alpha, 0.0,
+                        from.diffuse[0], from.diffuse[1], from.diffuse[2]};
+    start_lobe(samples, residuals, options.bounds, options.reflectance_model, prior.stretch, theta);
+    const WardVector u0 = unbounded_of(theta, options.bounds);
+    Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
+    solver.options.max_num_iterations = options.max_iterations;
+    solver.options.parameter_tolerance = 1e-5;
+    solver.options.function_tolerance = 1e-3;
+    solver.options.gradient_tolerance = 1e-8;
+    solver.options.initial_trust_region_radius = 1e3;
+    const WardFunction function(residuals, options.bounds);
+    const bool converged = solver.Solve(function, &u).status != WardSolver::HIT_MAX_ITERATIONS;
+    theta = natural_of(u.data(), options.bounds, nullptr);
+    return {theta, residuals.cost(theta.data()), converged};
+}
+
+// Without errors.
+WardEstimate estimate_at(const SolvedWard& solved, const PixelProblem& problem) {
+    const WardVector& theta = solved.theta;
+    WardEstimate estimate;
+    estimate.slope = {theta[0], theta[1]};
+    estimate.stretch = problem.prior.stretch;
+    estimate.roughness = std::exp(theta[2]);
+    estimate.specular = theta[3];
+    for (int c = 0; c < 3; ++c)
+        estimate.diffuse[c] =
+            theta[static_cast<std::size_t>(kWardCommon + (c < problem.samples.channels ? c : 0))];
+    estimate.converged = solved.converged;
+    return estimate;
+}
+
+// Errors of an estimate that has its cost, from the residuals' derivatives.
+void add_errors(const WardJacobian& jacobian, const SolvedWard& solved, const PixelProblem& problem,
+                WardEstimate& estimate) {
+    const double chi2 = estimate.cost / problem.free_samples();
+    WardMatrix information = jacobian.transpose() * jacobian;
+    // A parameter that no sample depends on (n.l <= 0 under every light, a channel that grey photographs do
+    // not have) has no error; the floor keeps it finite.
+    information.diagonal().array() += 1e-9;
+    const WardMatrix covariance = information.ldlt().solve(WardMatrix::Identity()) * std::max(chi2, 1.0);
+    const auto error_of = [&](int i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
+    estimate.slope_error = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0) / 2);
+    const int channels = problem.samples.channels;
+    double diffuse_variance = 0;
+    for (int c = 0; c < channels; ++c)
+        diffuse_variance += std::max(covariance(kWardCommon + c, kWardCommon + c), 0.0) / channels;
+    estimate.diffuse_error = std::sqrt(diffuse_variance);
+    estimate.roughness_error = error_of(2) * estimate.roughness;
+    estimate.specular_error =
+        specular_error(solved.theta[3], solved.theta[2],
+                       {.ln_alpha = covariance(2, 2), .specular = covariance(3, 3), .both = covariance(2, 3)},
+                       problem.options.bounds);
+    estimate.rms_residual = std::sqrt(chi2);
+    estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y) &&
+                     std::isfinite(estimate.slope_error);
+}
+
 // The value at a part of the way through sorted ones.
 double quantile(std::vector<double>& values, double part) {
     const auto at =
@@ -176,78 +251,27 @@ WardFitter::~WardFitter() = default;
 WardEstimate WardFitter::fit(const PixelSamples& given) { return fit(given, options_.prior); }
 
 WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior, const WardStart* known) {
-    WardEstimate estimate;
     const LambertEstimate start = photometric_stereo(given, kWardStereo);
-    if (!start.valid) return estimate;
-    PixelSamples& samples = workspace_->samples;
-    samples = given;
-    add_model_error(start, options_.model_error, samples);
-
-    const WardBounds& bounds = options_.bounds;
-    const WardResiduals residuals(samples, prior, options_.robust_scale, options_.reflectance_model);
+    if (!start.valid) return {};
     Workspace& w = *workspace_;
-    const int rows = residuals.size();
-    w.jacobian.resize(rows, kWardParameters);
-    w.residuals.resize(rows);
-
-    const WardFunction function(residuals, bounds);
-    const auto solve = [&](const WardStart& from) {
-        WardVector theta = {from.slope.x,    from.slope.y,    prior.ln_alpha, 0.0,
-                            from.diffuse[0], from.diffuse[1], from.diffuse[2]};
-        start_lobe(samples, residuals, bounds, options_.reflectance_model, prior.stretch, theta);
-        const WardVector u0 = unbounded_of(theta, bounds);
-        Eigen::Matrix<double, kWardParameters, 1> u(u0.data());
-        w.solver.options.max_num_iterations = options_.max_iterations;
-        w.solver.options.parameter_tolerance = 1e-5;
-        w.solver.options.function_tolerance = 1e-3;
-        w.solver.options.gradient_tolerance = 1e-8;
-        w.solver.options.initial_trust_region_radius = 1e3;
-        const bool converged = w.solver.Solve(function, &u).status != WardSolver::HIT_MAX_ITERATIONS;
-        theta = natural_of(u.data(), bounds, nullptr);
-        return SolvedWard{theta, residuals.cost(theta.data()), converged};
-    };
-    const double free_samples = static_cast<double>(std::max<std::ptrdiff_t>(
-        std::count_if(samples.sigma.begin(), samples.sigma.end(), [](double sigma) { return sigma > 0; }) +
-            2 - residuals.parameters(),
-        1));
+    w.samples = given;
+    add_model_error(start, options_.model_error, w.samples);
+    const WardResiduals residuals(w.samples, prior, options_.robust_scale, options_.reflectance_model);
+    const PixelProblem problem{w.samples, prior, residuals, options_};
     const WardStart by_stereo{.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
                               .diffuse = start.diffuse};
-    SolvedWard solved = solve(known ? *known : by_stereo);
-    if (options_.by_highlight && !known && solved.cost > kPoorFit * kPoorFit * free_samples)
-        if (const auto highlight = highlight_start(given, bounds)) {
-            const SolvedWard other = solve(*highlight);
+    SolvedWard solved = solve_from(known ? *known : by_stereo, problem, w.solver);
+    if (options_.by_highlight && !known && solved.cost > kPoorFit * kPoorFit * problem.free_samples())
+        if (const auto highlight = highlight_start(given, options_.bounds)) {
+            const SolvedWard other = solve_from(*highlight, problem, w.solver);
             if (other.cost < kClearlyCheaper * solved.cost) solved = other;
         }
-    const WardVector& theta = solved.theta;
-    residuals.evaluate(theta.data(), w.residuals.data(), w.jacobian.data());
+    w.jacobian.resize(residuals.size(), kWardParameters);
+    w.residuals.resize(residuals.size());
+    residuals.evaluate(solved.theta.data(), w.residuals.data(), w.jacobian.data());
+    WardEstimate estimate = estimate_at(solved, problem);
     estimate.cost = w.residuals.squaredNorm();
-    const double chi2 = estimate.cost / free_samples;
-
-    estimate.slope = {theta[0], theta[1]};
-    estimate.stretch = prior.stretch;
-    estimate.roughness = std::exp(theta[2]);
-    estimate.specular = theta[3];
-    for (int c = 0; c < 3; ++c)
-        estimate.diffuse[c] = theta[static_cast<std::size_t>(kWardCommon + (c < samples.channels ? c : 0))];
-    WardMatrix information = w.jacobian.transpose() * w.jacobian;
-    // A parameter that no sample depends on (n.l <= 0 under every light, a channel that grey photographs do
-    // not have) has no error; the floor keeps it finite.
-    information.diagonal().array() += 1e-9;
-    const WardMatrix covariance = information.ldlt().solve(WardMatrix::Identity()) * std::max(chi2, 1.0);
-    const auto error_of = [&](int i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
-    estimate.slope_error = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0) / 2);
-    double diffuse_variance = 0;
-    for (int c = 0; c < samples.channels; ++c)
-        diffuse_variance += std::max(covariance(kWardCommon + c, kWardCommon + c), 0.0) / samples.channels;
-    estimate.diffuse_error = std::sqrt(diffuse_variance);
-    estimate.roughness_error = error_of(2) * estimate.roughness;
-    estimate.specular_error = specular_error(
-        theta[3], theta[2],
-        {.ln_alpha = covariance(2, 2), .specular = covariance(3, 3), .both = covariance(2, 3)}, bounds);
-    estimate.rms_residual = std::sqrt(chi2);
-    estimate.converged = solved.converged;
-    estimate.valid = std::isfinite(estimate.slope.x) && std::isfinite(estimate.slope.y) &&
-                     std::isfinite(estimate.slope_error);
+    add_errors(w.jacobian, solved, problem, estimate);
     return estimate;
 }
 

@@ -121,6 +121,31 @@ struct AnisotropicTerms {
     }
 };
 
+// pi lobe without the cosine, of one or two widths, with its derivatives by h.n, ln alpha and -tan2'.
+struct LobeTerms {
+    double value = 0, by_h_n = 0, by_ln_alpha = 0, by_tan2 = 0;
+};
+
+// tan2: tan^2 of the angle between normal and half vector, as the lobe has it; wider: cosh 2 s of its
+// stretch.
+inline LobeTerms lobe_terms(double ln_alpha, double h_h, double h_n, double tan2, double wider,
+                            const ReflectanceModel& reflectance_model) {
+    const double inverse_h_n2 = 1 / (h_n * h_n);
+    const double geometry = h_h * inverse_h_n2 * inverse_h_n2;
+    LobeTerms lobe;
+    const auto add = [&](double part, double width) {
+        const double inverse_alpha2 = std::exp(-2 * ln_alpha) / (width * width);
+        const double one = part * std::exp(-tan2 * inverse_alpha2) * inverse_alpha2 * geometry;
+        lobe.value += one;
+        lobe.by_h_n += one * (2 * wider * h_h * inverse_h_n2 * inverse_alpha2 - 4) / h_n;
+        lobe.by_tan2 += one * inverse_alpha2;
+        lobe.by_ln_alpha += one * 2 * (tan2 * inverse_alpha2 - 1);
+    };
+    add(1 - reflectance_model.second_lobe_weight, 1);
+    if (reflectance_model.second_lobe_weight > 0) add(reflectance_model.second_lobe_weight, kSecondLobeWidth);
+    return lobe;
+}
+
 // `stretch`: null where the lobe is not anisotropic, and derivatives by the stretch are of no use.
 inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm::dvec3& v,
                             const ReflectanceModel& reflectance_model = {},
@@ -135,8 +160,7 @@ inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm:
     const double h_h = glm::dot(h, h);
     const double n_v = (-p * v.x - q * v.y + v.z) * inverse;
     if (h_n <= 0 || n_v <= 0) return t;
-    const double inverse_h_n2 = 1 / (h_n * h_n);
-    double tan2 = std::max(h_h * inverse_h_n2 - 1, 0.0), wider = 1;  // wider: cosh 2 s
+    double tan2 = std::max(h_h * (1 / (h_n * h_n)) - 1, 0.0), wider = 1;  // wider: cosh 2 s
     const glm::dvec2 slopes(p, q),
         by_slope = -glm::dvec2(h.x, h.y) * inverse - h_n * inverse2 * slopes;  // h.n
     std::optional<AnisotropicTerms> anisotropic;
@@ -145,33 +169,21 @@ inline WardTerms ward_terms(const double* theta, const glm::dvec3& l, const glm:
         wider = stretch->shape.c;
         tan2 = std::max(wider * tan2 - anisotropic->part, 0.0);
     }
-    const double geometry = h_h * inverse_h_n2 * inverse_h_n2;
-    double lobe = 0, dh_n = 0, dln_alpha = 0, dtan2 = 0;  // pi lobe, and d by h.n, ln alpha, -tan2'
-    const auto add_lobe = [&](double part, double width) {
-        const double inverse_alpha2 = std::exp(-2 * theta[2]) / (width * width);
-        const double one = part * std::exp(-tan2 * inverse_alpha2) * inverse_alpha2 * geometry;
-        lobe += one;
-        dh_n += one * (2 * wider * h_h * inverse_h_n2 * inverse_alpha2 - 4) / h_n;
-        dtan2 += one * inverse_alpha2;
-        dln_alpha += one * 2 * (tan2 * inverse_alpha2 - 1);
-    };
-    add_lobe(1 - reflectance_model.second_lobe_weight, 1);
-    if (reflectance_model.second_lobe_weight > 0)
-        add_lobe(reflectance_model.second_lobe_weight, kSecondLobeWidth);
+    const LobeTerms lobe = lobe_terms(theta[2], h_h, h_n, tan2, wider, reflectance_model);
     const DiffuseTerms<double> matt =
         rough_diffuse(n_l, n_v, h_h / 2 - 1, reflectance_model.diffuse_roughness);
     const double slope[2] = {p, q}, lateral[2] = {l.x, l.y};
     t.matt = matt.value;
-    t.lobe = lobe * n_l;
+    t.lobe = lobe.value * n_l;
     for (int i = 0; i < 2; ++i) {
         const double dn_l = -lateral[i] * inverse - n_l * slope[i] * inverse2;
         t.dmatt[i] = matt.by_n_l * dn_l + matt.by_n_v * (by_slope[i] - dn_l);
-        t.dlobe[i] = dh_n * by_slope[i] * n_l + lobe * dn_l;
+        t.dlobe[i] = lobe.by_h_n * by_slope[i] * n_l + lobe.value * dn_l;
         if (!anisotropic) continue;
-        t.dlobe[i] += dtan2 * anisotropic->dpart[i] * n_l;
-        t.dstretch[i] = -dtan2 * anisotropic->dstretch[i] * n_l;
+        t.dlobe[i] += lobe.by_tan2 * anisotropic->dpart[i] * n_l;
+        t.dstretch[i] = -lobe.by_tan2 * anisotropic->dstretch[i] * n_l;
     }
-    t.dlobe[2] = dln_alpha * n_l;
+    t.dlobe[2] = lobe.by_ln_alpha * n_l;
     return t;
 }
 
