@@ -38,63 +38,109 @@ VectorXd open_parameters(const SchurStructure& s, const VectorXd& x, const Vecto
     return open;
 }
 
+// Levenberg-Marquardt: where it is, and how far the next step may lead.
+class SchurSearch {
+public:
+    SchurSearch(const SchurStructure& structure, const SchurOptions& options)
+        : s_(structure), options_(options), state_(state_of(structure)), x_(structure.free_parameters()) {
+        for (std::size_t i = 0; i < s_.place.size(); ++i)
+            x_[static_cast<Eigen::Index>(i)] = state_[static_cast<std::size_t>(s_.place[i])];
+        x_ = x_.cwiseMax(s_.lower).cwiseMin(s_.upper);
+        place(x_);
+    }
+    SchurSummary run();
+    // Gives the caller's parameters where it is.
+    void give_back();
+
+private:
+    struct Step {
+        VectorXd next;
+        double expected = 0;  // fall of the cost
+        double length = 0;
+        bool finite = false;
+    };
+    Step next_step();
+    void place(const VectorXd& values) {
+        for (std::size_t i = 0; i < s_.place.size(); ++i)
+            state_[static_cast<std::size_t>(s_.place[i])] = values[static_cast<Eigen::Index>(i)];
+    }
+    bool take(const Step& step);
+
+    const SchurStructure& s_;
+    const SchurOptions& options_;
+    std::vector<double> state_;  // of all blocks
+    VectorXd x_;                 // free parameters, where it is
+    SchurSystem here_, there_;
+    ReducedSystem reduced_;
+    VectorXd open_, gradient_;  // of the parameters that may move
+    VectorXd least_;            // damping is relative to the diagonal, but no less than to this
+    double radius_ = kFirstRadius, shrink_ = 2;
+};
+
+SchurSearch::Step SchurSearch::next_step() {
+    const VectorXd damping = here_.diagonal(s_).cwiseMax(least_).cwiseMin(kLargestDiagonal) / radius_;
+    reduced_.reduce(s_, here_, damping, open_);
+    const VectorXd step = reduced_.step(s_, here_, open_);
+    return {(x_ + step).cwiseMax(s_.lower).cwiseMin(s_.upper),
+            (damping.cwiseProduct(step) - gradient_).dot(step) / 2, step.norm(), step.allFinite()};
+}
+
+// Goes there, or takes smaller steps from here on; whether that ends the search.
+bool SchurSearch::take(const Step& step) {
+    double fallen = -std::numeric_limits<double>::infinity();
+    bool done = false;
+    if (step.finite && step.expected > 0) {
+        place(step.next);
+        if (there_.evaluate(s_, state_)) fallen = here_.cost - there_.cost;
+        done = std::abs(fallen) <= options_.function_tolerance * here_.cost ||
+               step.length <= kParameterTolerance * (x_.norm() + kParameterTolerance);
+    }
+    if (fallen > (done ? 0 : kLeastDecrease * step.expected)) {
+        const double quality = 2 * fallen / step.expected - 1;
+        radius_ = std::min(radius_ / std::max(1.0 / 3, 1 - quality * quality * quality), kLargestRadius);
+        shrink_ = 2;
+        x_ = step.next;
+        std::swap(here_, there_);
+    } else {
+        radius_ /= shrink_;
+        shrink_ *= 2;
+    }
+    return done;
+}
+
+SchurSummary SchurSearch::run() {
+    SchurSummary summary;
+    if (!here_.evaluate(s_, state_)) return summary;
+    summary.usable = true;
+    // A part of what the diagonal was at the start.
+    least_ = kLeastDiagonal * (1 + here_.diagonal(s_).cwiseSqrt().array()).square().matrix();
+    for (bool done = x_.size() == 0; !done && radius_ >= kSmallestRadius;) {
+        if (summary.iterations == options_.max_iterations) break;
+        open_ = open_parameters(s_, x_, here_.gradient);
+        gradient_ = here_.gradient.cwiseProduct(open_);
+        if (gradient_.lpNorm<Eigen::Infinity>() <= kGradientTolerance) break;
+        ++summary.iterations;
+        done = take(next_step());
+    }
+    summary.final_cost = here_.cost;
+    return summary;
+}
+
+void SchurSearch::give_back() {
+    place(x_);
+    for (const SchurStructure::Block& block : s_.blocks)
+        for (const int i : block.free) block.user[i] = state_[static_cast<std::size_t>(block.offset + i)];
+}
+
 }  // namespace
 
 SchurSummary solve_by_schur(ceres::Problem& problem, const std::vector<double*>& eliminated,
                             const SchurOptions& options) {
-    const SchurStructure s(problem, eliminated);
-    TP_REQUIRE(s.shared > 0 || s.owners == 0, "shared parameters that may move");
-    std::vector<double> state = state_of(s);
-    const auto place = [&](const VectorXd& values) {
-        for (std::size_t i = 0; i < s.place.size(); ++i)
-            state[static_cast<std::size_t>(s.place[i])] = values[static_cast<Eigen::Index>(i)];
-    };
-    SchurSystem here, there;
-    ReducedSystem reduced;
-    SchurSummary summary;
-    VectorXd x(s.free_parameters());
-    for (std::size_t i = 0; i < s.place.size(); ++i)
-        x[static_cast<Eigen::Index>(i)] = state[static_cast<std::size_t>(s.place[i])];
-    x = x.cwiseMax(s.lower).cwiseMin(s.upper);
-    place(x);
-    if (!here.evaluate(s, state)) return summary;
-    summary.usable = true;
-    // Damping is relative to the diagonal, but no less than to a part of what that was at the start.
-    const VectorXd least = kLeastDiagonal * (1 + here.diagonal(s).cwiseSqrt().array()).square().matrix();
-    double radius = kFirstRadius, shrink = 2;
-    for (bool done = x.size() == 0; !done && radius >= kSmallestRadius;) {
-        if (summary.iterations == options.max_iterations) break;
-        const VectorXd open = open_parameters(s, x, here.gradient);
-        const VectorXd gradient = here.gradient.cwiseProduct(open);
-        if (gradient.lpNorm<Eigen::Infinity>() <= kGradientTolerance) break;
-        ++summary.iterations;
-        const VectorXd damping = here.diagonal(s).cwiseMax(least).cwiseMin(kLargestDiagonal) / radius;
-        reduced.reduce(s, here, damping, open);
-        const VectorXd step = reduced.step(s, here, open);
-        const VectorXd next = (x + step).cwiseMax(s.lower).cwiseMin(s.upper);
-        const double expected = (damping.cwiseProduct(step) - gradient).dot(step) / 2;
-        double fallen = -std::numeric_limits<double>::infinity();
-        if (step.allFinite() && expected > 0) {
-            place(next);
-            if (there.evaluate(s, state)) fallen = here.cost - there.cost;
-            done = std::abs(fallen) <= options.function_tolerance * here.cost ||
-                   step.norm() <= kParameterTolerance * (x.norm() + kParameterTolerance);
-        }
-        if (fallen > (done ? 0 : kLeastDecrease * expected)) {
-            const double quality = 2 * fallen / expected - 1;
-            radius = std::min(radius / std::max(1.0 / 3, 1 - quality * quality * quality), kLargestRadius);
-            shrink = 2;
-            x = next;
-            std::swap(here, there);
-        } else {
-            radius /= shrink;
-            shrink *= 2;
-        }
-    }
-    summary.final_cost = here.cost;
-    place(x);
-    for (const SchurStructure::Block& block : s.blocks)
-        for (const int i : block.free) block.user[i] = state[static_cast<std::size_t>(block.offset + i)];
+    const SchurStructure structure(problem, eliminated);
+    TP_REQUIRE(structure.shared > 0 || structure.owners == 0, "shared parameters that may move");
+    SchurSearch search(structure, options);
+    const SchurSummary summary = search.run();
+    if (summary.usable) search.give_back();
     return summary;
 }
 

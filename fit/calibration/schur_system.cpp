@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Rows = ReducedSystem::Rows;
 using Block = SchurStructure::Block;
 using Residual = SchurStructure::Residual;
 
@@ -269,7 +269,30 @@ VectorXd SchurSystem::diagonal(const SchurStructure& s) const {
     return result;
 }
 
-// With L L^T = each eliminated block with itself: L^-1 of what it has with the shared ones, and of its side.
+// With L L^T = the eliminated block with itself: L, and L^-1 of what it has with the shared parameters
+// (`both`) and of its side.
+void ReducedSystem::eliminate(int owner, const SchurStructure& s, const SchurSystem& system,
+                              const DampedParameters& p, Eigen::Ref<Rows> both) {
+    const int n = s.shared, size = s.own;
+    const auto mine = p.open.segment(n + owner * size, size);
+    Eigen::Map<MatrixXd> lower(factors_.data() + at(owner * size * size), size, size);
+    MatrixXd square = mine.asDiagonal() *
+                      Eigen::Map<const MatrixXd>(system.own.data() + at(owner * size * size), size, size) *
+                      mine.asDiagonal();
+    square.diagonal() += p.damping.segment(n + owner * size, size);
+    square.diagonal().array() += 1 - mine.array();
+    const Eigen::LLT<MatrixXd> factor(square);
+    lower = factor.matrixL();
+    // Of what has no factors, Eigen leaves numbers that mean nothing.
+    if (factor.info() != Eigen::Success) lower.setConstant(std::numeric_limits<double>::quiet_NaN());
+    both = mine.asDiagonal() *
+           Eigen::Map<const Rows>(system.both.data() + at(owner * size) * at(n), size, n) *
+           p.open.head(n).asDiagonal();
+    lower.triangularView<Eigen::Lower>().solveInPlace(both);
+    auto side_of_own = own_side_.segment(n + owner * size, size);
+    lower.triangularView<Eigen::Lower>().solveInPlace(side_of_own);
+}
+
 void ReducedSystem::reduce(const SchurStructure& s, const SchurSystem& system, const VectorXd& damping,
                            const VectorXd& open) {
     const int n = s.shared, size = s.own;
@@ -287,27 +310,9 @@ void ReducedSystem::reduce(const SchurStructure& s, const SchurSystem& system, c
             for (int begin = part.begin; begin < part.end; begin += kAtOnce) {
                 const int end = std::min(begin + kAtOnce, part.end);
                 for (int owner = begin; owner < end; ++owner) {
-                    const auto mine = open.segment(n + owner * size, size);
-                    Eigen::Map<MatrixXd> lower(factors_.data() + at(owner * size * size), size, size);
-                    MatrixXd square =
-                        mine.asDiagonal() *
-                        Eigen::Map<const MatrixXd>(system.own.data() + at(owner * size * size), size, size) *
-                        mine.asDiagonal();
-                    square.diagonal() += damping.segment(n + owner * size, size);
-                    square.diagonal().array() += 1 - mine.array();
-                    const Eigen::LLT<MatrixXd> factor(square);
-                    lower = factor.matrixL();
-                    // Of what has no factors, Eigen leaves numbers that mean nothing.
-                    if (factor.info() != Eigen::Success)
-                        lower.setConstant(std::numeric_limits<double>::quiet_NaN());
                     auto both = rows.middleRows((owner - begin) * size, size);
-                    both = mine.asDiagonal() *
-                           Eigen::Map<const Rows>(system.both.data() + at(owner * size) * at(n), size, n) *
-                           open.head(n).asDiagonal();
-                    lower.triangularView<Eigen::Lower>().solveInPlace(both);
-                    auto side_of_own = own_side_.segment(n + owner * size, size);
-                    lower.triangularView<Eigen::Lower>().solveInPlace(side_of_own);
-                    sides_[at(k)].noalias() += both.transpose() * side_of_own;
+                    eliminate(owner, s, system, {damping, open}, both);
+                    sides_[at(k)].noalias() += both.transpose() * own_side_.segment(n + owner * size, size);
                 }
                 const auto used = rows.topRows((end - begin) * size);
                 matrices_[at(k)].selfadjointView<Eigen::Lower>().rankUpdate(used.transpose(), -1.0);

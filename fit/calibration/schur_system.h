@@ -75,6 +75,8 @@ private:
 
 // The damped normal equations of the parameters that are open, with the eliminated blocks gone.
 struct ReducedSystem {
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
     Eigen::MatrixXd matrix;  // of the shared parameters; lower triangle
     Eigen::VectorXd side;
 
@@ -86,6 +88,13 @@ struct ReducedSystem {
                          const Eigen::VectorXd& open) const;
 
 private:
+    // As reduce() gets them.
+    struct DampedParameters {
+        const Eigen::VectorXd &damping, &open;
+    };
+    void eliminate(int owner, const SchurStructure& structure, const SchurSystem& system,
+                   const DampedParameters& parameters, Eigen::Ref<Rows> both);
+
     std::vector<double> factors_;  // L of each eliminated block with itself, by columns
     Eigen::VectorXd own_side_;     // L^-1 of the eliminated blocks' side; before: the shared ones'
     std::vector<Eigen::MatrixXd> matrices_;
