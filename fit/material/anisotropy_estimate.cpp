@@ -255,6 +255,49 @@ struct Beside {
     float weight;
 };
 
+// How asked pixels are anisotropic, by themselves and those around them; not a number where nothing is known.
+Image<Stretch> stretches_of_asked(const Surface& s, const Image<StretchEvidence>& evidence,
+                                  const SampledPixels& asked) {
+    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
+    Image<Stretch> told(asked.x.count, asked.y.count, Stretch(nothing));
+    parallel_for(0, asked.y.count, 1, [&](int begin, int end) {
+        for (int j = begin; j < end; ++j)
+            for (int i = 0; i < asked.x.count; ++i) {
+                if (!(s.confidence(asked.x.at(i), asked.y.at(j)) > 0)) continue;
+                const StretchEvidence all = pooled(s, evidence, asked, i, j);
+                if (glm::determinant(all.information) > 0) told(i, j) = stretch_of(all);
+            }
+    });
+    return told;
+}
+
+// Pixels that are nearer to place i than to those beside it.
+int begin_of(const EvenPlaces& places, int i) { return i == 0 ? 0 : places.at(i) - places.apart / 2; }
+int end_of(const EvenPlaces& places, int i, int pixels) {
+    return i == places.count - 1 ? pixels : begin_of(places, i + 1);
+}
+
+// Of place i from a pixel: 1 to 0.
+float nearness_of(const EvenPlaces& places, int i, int pixel) {
+    const float off = static_cast<float>(std::abs(places.at(i) - pixel)) / static_cast<float>(places.apart);
+    return square(square(std::max(1 - off / kFarthestAsked, 0.0f)));
+}
+
+// The asked pixels around a pixel that look like it, as far as they are known.
+void find_beside(const Surface& s, const Image<Stretch>& told, const SampledPixels& asked,
+                 const glm::ivec2& pixel, const Rgb& look, std::vector<Beside>& beside) {
+    const int u0 = asked.x.nearest(pixel.x), v0 = asked.y.nearest(pixel.y);
+    beside.clear();
+    for (int v = std::max(v0 - kFarthestAsked, 0); v <= std::min(v0 + kFarthestAsked, asked.y.count - 1); ++v)
+        for (int u = std::max(u0 - kFarthestAsked, 0); u <= std::min(u0 + kFarthestAsked, asked.x.count - 1);
+             ++u) {
+            const float near = nearness_of(asked.x, u, pixel.x) * nearness_of(asked.y, v, pixel.y);
+            if (!(near > 0) || std::isnan(told(u, v).x)) continue;
+            const double alike = alikeness(look_at(s, asked.x.at(u), asked.y.at(v)), look);
+            if (alike > 0) beside.push_back({told(u, v), near * static_cast<float>(alike)});
+        }
+}
+
 // Their mean, or, where there are two kinds of them, that of the kind that has more weight: none where most
 // are not anisotropic.
 Stretch mode_of(std::span<const Beside> beside) {
@@ -326,48 +369,17 @@ SampledPixels sampled_pixels(int width, int height) {
 
 Image<Stretch> lobe_stretches(const Surface& s, const Image<StretchEvidence>& evidence) {
     const SampledPixels asked = sampled_pixels(s.width(), s.height());
-    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
-    Image<Stretch> told(asked.x.count, asked.y.count, Stretch(nothing));
-    parallel_for(0, asked.y.count, 1, [&](int begin, int end) {
-        for (int j = begin; j < end; ++j)
-            for (int i = 0; i < asked.x.count; ++i) {
-                if (!(s.confidence(asked.x.at(i), asked.y.at(j)) > 0)) continue;
-                const StretchEvidence all = pooled(s, evidence, asked, i, j);
-                if (glm::determinant(all.information) > 0) told(i, j) = stretch_of(all);
-            }
-    });
+    const Image<Stretch> told = stretches_of_asked(s, evidence, asked);
     const Image<Rgb> looks = looks_of(s, asked);
-    // Those between look as the nearest.
-    const auto begin_of = [](const EvenPlaces& places, int i) {
-        return i == 0 ? 0 : places.at(i) - places.apart / 2;
-    };
-    const auto end_of = [&](const EvenPlaces& places, int i, int pixels) {
-        return i == places.count - 1 ? pixels : begin_of(places, i + 1);
-    };
-    const auto inverse_distance = [](const EvenPlaces& places, int i, int at) {
-        const float off = static_cast<float>(std::abs(places.at(i) - at)) / static_cast<float>(places.apart);
-        return square(square(std::max(1 - off / kFarthestAsked, 0.0f)));
-    };
     Image<Stretch> stretches(s.width(), s.height(), Stretch(0));
     parallel_for(0, asked.look_y.count, 1, [&](int begin, int end) {
         std::vector<Beside> beside;
         for (int j = begin; j < end; ++j)
             for (int i = 0; i < asked.look_x.count; ++i) {
-                const Rgb look = looks(i, j);
-                if (std::isnan(look.r)) continue;
-                const int x = asked.look_x.at(i), y = asked.look_y.at(j);
-                const int u0 = asked.x.nearest(x), v0 = asked.y.nearest(y);
-                beside.clear();
-                for (int v = std::max(v0 - kFarthestAsked, 0);
-                     v <= std::min(v0 + kFarthestAsked, asked.y.count - 1); ++v)
-                    for (int u = std::max(u0 - kFarthestAsked, 0);
-                         u <= std::min(u0 + kFarthestAsked, asked.x.count - 1); ++u) {
-                        const float near = inverse_distance(asked.x, u, x) * inverse_distance(asked.y, v, y);
-                        if (!(near > 0) || std::isnan(told(u, v).x)) continue;
-                        const double alike = alikeness(look_at(s, asked.x.at(u), asked.y.at(v)), look);
-                        if (alike > 0) beside.push_back({told(u, v), near * static_cast<float>(alike)});
-                    }
+                if (std::isnan(looks(i, j).r)) continue;
+                find_beside(s, told, asked, {asked.look_x.at(i), asked.look_y.at(j)}, looks(i, j), beside);
                 const Stretch stretch = mode_of(beside);
+                // Those between look as the nearest.
                 for (int v = begin_of(asked.look_y, j); v < end_of(asked.look_y, j, s.height()); ++v)
                     for (int u = begin_of(asked.look_x, i); u < end_of(asked.look_x, i, s.width()); ++u)
                         stretches(u, v) = stretch;
