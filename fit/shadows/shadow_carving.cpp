@@ -58,6 +58,11 @@ public:
     long lights() const { return sum(seen_); }
 
 private:
+    // Towards a light, as the picture has it.
+    struct Ray {
+        float dx, dy;  // [pixels] of one step
+        float climb;   // [mm] of one step
+    };
     // What a march from a pixel towards a light meets.
     struct March {
         bool leaves = false;  // the picture, where more relief may stand
@@ -67,17 +72,24 @@ private:
         float rise_mm = 0;  // by how much
         float cost = std::numeric_limits<float>::max();  // [1] of that, squared, over its variance
     };
-    March march(int x, int y, float dx, float dy, float climb, const SeenLight& light) const;
+    March march(int x, int y, const Ray& ray, const SeenLight& light) const;
     void find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const;
     Place place_at(float x, float y) const;
     float at(const Place& place, const Field& field) const;
-    Pair pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const;
+    Pair pair_of(int x, int y, const Ray& ray, int distance, float off_mm) const;
     float rise_of(const Pair& pair, const Field& field) const;
     void scatter(const Pair& pair, float value, Field& field) const;
     // Calls act(pair) for all, never two at once that write to the same rows.
     template <class Act>
     void for_pairs(const Act& act) const;
     void apply(const Field& field, Field& applied) const;  // of edges alone
+    void start_gradients();
+    float preconditioned(int x, int y) const {
+        return diagonal_(x, y) > 0 ? residual_(x, y) / diagonal_(x, y) : 0.0f;
+    }
+    double step(double along);
+    void turn(double kept);
+    double curvature() const;
     static long sum(const std::vector<long>& rows) { return std::accumulate(rows.begin(), rows.end(), 0L); }
     template <class Product>
     double sum_over(const Product& product) const;
@@ -139,7 +151,8 @@ float Carving::at(const Place& place, const Field& field) const {
     return a + place.down * (b - a);
 }
 
-Carving::March Carving::march(int x, int y, float dx, float dy, float climb, const SeenLight& light) const {
+Carving::March Carving::march(int x, int y, const Ray& ray, const SeenLight& light) const {
+    const auto [dx, dy, climb] = ray;
     March found;
     const float z0 = z_(x, y), most = highest_ - z0;
     float loose = loose_(x, y);
@@ -169,7 +182,8 @@ Carving::March Carving::march(int x, int y, float dx, float dy, float climb, con
     return found;
 }
 
-Pair Carving::pair_of(int x, int y, float dx, float dy, int distance, float climb, float off_mm) const {
+Pair Carving::pair_of(int x, int y, const Ray& ray, int distance, float off_mm) const {
+    const auto [dx, dy, climb] = ray;
     const auto t = static_cast<float>(distance);
     const float slope = climb / mm_;
     const float turned = kDirection * (1 + slope * slope) * t;
@@ -186,16 +200,16 @@ void Carving::find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& 
             incidence(lighting_.lights[light.photo], surface_.point_mm(x, y), lighting_.rig).direction;
         const float across = std::hypot(l.x, l.y);
         if (!(across > 0.1f)) continue;
-        const float dx = l.x / across, dy = -l.y / across, climb = l.z / across * mm_;
-        const March met = march(x, y, dx, dy, climb, light);
+        const Ray ray{l.x / across, -l.y / across, l.z / across * mm_};
+        const March met = march(x, y, ray, light);
         ++seen;
-        const bool hidden = met.hides > 0 && met.top > climb;
+        const bool hidden = met.hides > 0 && met.top > ray.climb;
         if (hidden != light.lit) continue;
         const int distance = light.lit ? met.hides : met.rises;
         if (distance == 0) continue;
         if (!light.lit && (met.leaves || shadows.visible_part(x, y, l) < 0.5f)) continue;
-        const float off = light.lit ? (met.top - climb) * static_cast<float>(distance) : met.rise_mm;
-        pairs.push_back(pair_of(x, y, dx, dy, distance, climb, off));
+        const float off = light.lit ? (met.top - ray.climb) * static_cast<float>(distance) : met.rise_mm;
+        pairs.push_back(pair_of(x, y, ray, distance, off));
     }
 }
 
@@ -259,8 +273,8 @@ double Carving::sum_over(const Product& product) const {
     return std::accumulate(rows.begin(), rows.end(), 0.0);
 }
 
-// Conjugate gradients (Hestenes & Stiefel 1952), preconditioned by the diagonal.
-void Carving::improve(const std::function<void(double done)>& report) {
+// Residual and diagonal of the equations at the height as it is: the edges' and the pairs'.
+void Carving::start_gradients() {
     const auto square = [](float v) { return v * v; };
     parallel_for(0, height_, 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
@@ -285,28 +299,43 @@ void Carving::improve(const std::function<void(double done)>& report) {
         below[1] += pair.weight * square(pair.q.right * pair.q.down);
         diagonal_.pixels()[static_cast<std::size_t>(pair.p)] += pair.weight;
     });
-    const auto preconditioned = [&](int x, int y) {
-        return diagonal_(x, y) > 0 ? residual_(x, y) / diagonal_(x, y) : 0.0f;
-    };
-    const auto step = [&](double along) {  // the new residual, and its square
-        return sum_over([&](int y) {
-            double sum = 0;
-            for (int x = 0; x < width_; ++x) {
-                z_(x, y) += static_cast<float>(along) * direction_(x, y);
-                residual_(x, y) -= static_cast<float>(along) * applied_(x, y);
-                sum += static_cast<double>(residual_(x, y) * preconditioned(x, y));
-            }
-            return sum;
-        });
-    };
-    const auto turn = [&](double kept) {
-        parallel_for(0, height_, 16, [&](int begin, int end) {
-            for (int y = begin; y < end; ++y)
-                for (int x = 0; x < width_; ++x)
-                    direction_(x, y) = preconditioned(x, y) +
-                                       static_cast<float>(kept) * (kept == 0 ? 0.0f : direction_(x, y));
-        });
-    };
+}
+
+// Goes along the direction; returns the square of the new residual.
+double Carving::step(double along) {
+    return sum_over([&](int y) {
+        double sum = 0;
+        for (int x = 0; x < width_; ++x) {
+            z_(x, y) += static_cast<float>(along) * direction_(x, y);
+            residual_(x, y) -= static_cast<float>(along) * applied_(x, y);
+            sum += static_cast<double>(residual_(x, y) * preconditioned(x, y));
+        }
+        return sum;
+    });
+}
+
+// The next direction: that of the residual, and so much of the one before.
+void Carving::turn(double kept) {
+    parallel_for(0, height_, 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width_; ++x)
+                direction_(x, y) =
+                    preconditioned(x, y) + static_cast<float>(kept) * (kept == 0 ? 0.0f : direction_(x, y));
+    });
+}
+
+// Along the direction, to which the equations are applied.
+double Carving::curvature() const {
+    return sum_over([&](int y) {
+        double sum = 0;
+        for (int x = 0; x < width_; ++x) sum += static_cast<double>(direction_(x, y) * applied_(x, y));
+        return sum;
+    });
+}
+
+// Conjugate gradients (Hestenes & Stiefel 1952), preconditioned by the diagonal.
+void Carving::improve(const std::function<void(double done)>& report) {
+    start_gradients();
     double left = step(0);
     const double first = left;
     turn(0);
@@ -315,13 +344,9 @@ void Carving::improve(const std::function<void(double done)>& report) {
         apply(direction_, applied_);
         for_pairs(
             [&](const Pair& pair) { scatter(pair, pair.weight * rise_of(pair, direction_), applied_); });
-        const double curvature = sum_over([&](int y) {
-            double sum = 0;
-            for (int x = 0; x < width_; ++x) sum += static_cast<double>(direction_(x, y) * applied_(x, y));
-            return sum;
-        });
-        if (!(curvature > 0)) break;
-        const double now = step(left / curvature);
+        const double curved = curvature();
+        if (!(curved > 0)) break;
+        const double now = step(left / curved);
         turn(now / left);
         left = now;
     }
