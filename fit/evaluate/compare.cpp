@@ -18,8 +18,6 @@
 
 namespace tangi {
 
-using nlohmann::json;
-
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -199,10 +197,158 @@ void summarise(const Stack& stack, int unknown, CompareReport& report) {
             stack.folder.string(), typical);
 }
 
-// Names come from file systems, where any bytes are allowed; JSON wants UTF-8.
-std::string utf8_of(const std::string& text) {
-    const std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-    return json::parse(quoted).get<std::string>();
+// Photographs one after the other against the surface relit under their lights.
+class Comparison {
+public:
+    Comparison(const Surface& surface, const Stack& stack, const CompareOptions& options,
+               const Progress& progress, const RelightingResidual& residual);
+
+    // Places photographs that the painting does not list where the relit pictures show it.
+    void register_unlisted();
+    // Those that cannot be read are rejected, with a warning.
+    void compare_all(const ComparisonSink& sink);
+    CompareReport summarised();
+
+private:
+    const Photography& photography() const { return surface_.photography; }
+    std::string folder() const { return stack_.folder.string(); }
+    void relight_as(const Light& light, Image<Rgb>& stored) const {
+        relight_stored(relighter_, light, report_.transfer, exposure_, stored);
+    }
+    void relight_with_residual(const StoredPhoto& photo, const PixelMask& present, PhotoComparison& result);
+    void compare_with(const StoredPhoto& photo, std::size_t i, const ComparisonSink& sink);
+
+    const Surface& surface_;
+    const Stack& stack_;
+    const Progress& progress_;
+    const RelightingResidual& residual_;
+    CompareReport report_;
+    const PixelMask mask_;
+    std::vector<StackPhoto> all_;  // those of the stack, then its held-out ones
+    int unlisted_ = 0;             // by the painting
+    const RelightOptions relighting_;
+    const Relighter relighter_;
+    const float unit_;
+    const glm::mat3 exposure_, from_camera_;
+    std::vector<RejectedPhoto> rejected_;
+    // Used for one photograph after the other.
+    Image<Rgb> relit_, linear_, with_residual_;
+    Image<float> delta_e_;
+};
+
+CompareReport started(const Surface& surface, const Stack& stack, const CompareOptions& options) {
+    CompareReport report;
+    report.width = surface.width();
+    report.height = surface.height();
+    report.options = options;
+    report.options.light_radius_deg =
+        light_radius_deg(surface, {.light_radius_deg = options.light_radius_deg});
+    report.warnings = stack.warnings;
+    report.transfer = encoding_of(stack, surface.photography, report.warnings);
+    return report;
+}
+
+std::vector<StackPhoto> all_photographs(const Stack& stack) {
+    std::vector<StackPhoto> all = stack.photos;
+    all.insert(all.end(), stack.held_out.begin(), stack.held_out.end());
+    return all;
+}
+
+Comparison::Comparison(const Surface& surface, const Stack& stack, const CompareOptions& options,
+                       const Progress& progress, const RelightingResidual& residual)
+    : surface_(surface),
+      stack_(stack),
+      progress_(progress),
+      residual_(residual),
+      report_(started(surface, stack, options)),
+      mask_(pixels_to_compare(surface, stack)),
+      all_(all_photographs(stack)),
+      relighting_{.cast_shadows = options.cast_shadows, .light_radius_deg = options.light_radius_deg},
+      relighter_(surface, relighting_, static_cast<int>(all_.size())),
+      unit_(unit_of(surface.photography, report_.transfer)),
+      exposure_(unit_ * exposure_of(surface.photography)),
+      from_camera_(from_camera(surface.photography)),
+      relit_(surface.width(), surface.height()),
+      delta_e_(surface.width(), surface.height()) {}
+
+void Comparison::register_unlisted() {
+    for (StackPhoto& photo : all_) {
+        const Photography::Photo* known = find_photo(photography(), photo.light);
+        unlisted_ += known == nullptr;
+        // As the fit registered it; others are registered below.
+        if (known) photo.homography = known->homography;
+    }
+    report_.exchanged = says_lights_are_exchanged(all_, photography(), folder());
+    // Under a light that is not theirs they would be laid elsewhere.
+    if (unlisted_ == 0 || !report_.exchanged.empty()) return;
+    const RelitPicture relit_under = [&](const StackPhoto& photo, Image<Rgb>& stored) {
+        relight_as(as_photographed(photo.light, photography()), stored);
+    };
+    for (std::string& told :
+         register_unknown(all_, stack_, photography(), report_.transfer, relit_under, progress_))
+        report_.warnings.push_back(std::move(told));
+}
+
+void Comparison::compare_all(const ComparisonSink& sink) {
+    PhotosAhead ahead(stack_, all_, unit_);
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+        report(progress_, "compare", static_cast<double>(i) / static_cast<double>(all_.size()));
+        const StoredPhoto* photo = nullptr;
+        try {
+            photo = &ahead.next();
+        } catch (const PhotoError& error) {
+            rejected_.push_back({all_[i].light.name, error.what()});
+            report_.warnings.push_back(fmt::format("{}; rejected", error.what()));
+            require_few(rejected_, all_.size(), 1, folder());
+            continue;
+        }
+        compare_with(*photo, i, sink);
+    }
+}
+
+// Fills in the relit picture, too.
+void Comparison::relight_with_residual(const StoredPhoto& photo, const PixelMask& present,
+                                       PhotoComparison& result) {
+    // A residual is one of a picture with these shadows.
+    const RelightOptions residuals_own{.cast_shadows = true, .light_radius_deg = residual_.light_radius_deg};
+    const bool as_fitted =
+        relighting_.cast_shadows && report_.options.light_radius_deg == residual_.light_radius_deg;
+    linear_ = relight(surface_, {&result.light, 1}, relighting_);
+    encode_picture(linear_, report_.transfer, exposure_, relit_);
+    if (!as_fitted) linear_ = relight(surface_, {&result.light, 1}, residuals_own);
+    add_residual(residual_, surface_, {&result.light, 1}, {}, linear_);
+    encode_picture(linear_, report_.transfer, exposure_, with_residual_);
+    result.residual_psnr_db = std::min(psnr_db(photo.picture, with_residual_, present), kPsnrCap_db);
+}
+
+void Comparison::compare_with(const StoredPhoto& photo, std::size_t i, const ComparisonSink& sink) {
+    PhotoComparison result = described(all_[i], photography());
+    const PixelMask fewer = photo.missing.empty() ? PixelMask() : without_missing(mask_, photo.missing);
+    const PixelMask& present = fewer.empty() ? mask_ : fewer;
+    if (residual_.empty())
+        relight_as(result.light, relit_);
+    else
+        relight_with_residual(photo, present, result);
+    // Told, and not undone: what a photograph is compared with owes nothing to it.
+    if (!result.fitted && stack_.channels == 3) {
+        const WhiteBalance white = white_balance_of(photo.picture, relit_, present, report_.transfer,
+                                                    stack_.bits != 32, result.light.direction);
+        if (white.differs) result.white_balance = glm::dvec2(white.gain().r, white.gain().b);
+    }
+    const ComparedPictures pictures{
+        static_cast<int>(i), result,      photo.picture, relit_, delta_e_, present,
+        report_.transfer,    from_camera_};
+    measure(pictures, delta_e_, result);
+    if (sink) sink(pictures);
+    report_.photos.push_back(std::move(result));
+}
+
+CompareReport Comparison::summarised() {
+    summarise(stack_, unlisted_, report_);
+    if (std::string told = other_white_balances(report_, folder()); !told.empty())
+        report_.warnings.push_back(std::move(told));
+    report(progress_, "compare", 1);
+    return std::move(report_);
 }
 
 }  // namespace
@@ -212,143 +358,10 @@ CompareReport compare(const Surface& surface, const Stack& photos, const Compare
                       const RelightingResidual& residual) {
     validate(options);
     require_comparable(surface, photos);
-    CompareReport report_;
-    report_.width = surface.width();
-    report_.height = surface.height();
-    report_.options = options;
-    report_.options.light_radius_deg =
-        light_radius_deg(surface, {.light_radius_deg = options.light_radius_deg});
-    report_.warnings = photos.warnings;
-    report_.transfer = encoding_of(photos, surface.photography, report_.warnings);
-    const PixelMask mask = pixels_to_compare(surface, photos);
-
-    std::vector<StackPhoto> all = photos.photos;
-    all.insert(all.end(), photos.held_out.begin(), photos.held_out.end());
-    int unknown = 0;
-    for (StackPhoto& photo : all) {
-        const Photography::Photo* known = find_photo(surface.photography, photo.light);
-        unknown += known == nullptr;
-        // As the fit registered it; others are registered below.
-        if (known) photo.homography = known->homography;
-    }
-    const RelightOptions relighting{.cast_shadows = options.cast_shadows,
-                                    .light_radius_deg = options.light_radius_deg};
-    const Relighter relighter(surface, relighting, static_cast<int>(all.size()));
-    // A residual is one of a picture with these shadows.
-    const RelightOptions residuals_own{.cast_shadows = true, .light_radius_deg = residual.light_radius_deg};
-    const bool as_fitted =
-        options.cast_shadows && report_.options.light_radius_deg == residual.light_radius_deg;
-    const float unit = unit_of(surface.photography, report_.transfer);
-    const glm::mat3 exposure = unit * exposure_of(surface.photography),
-                    from(from_camera(surface.photography));
-    report_.exchanged = says_lights_are_exchanged(all, surface.photography, photos.folder.string());
-    // Under a light that is not theirs they would be laid elsewhere.
-    if (unknown > 0 && report_.exchanged.empty()) {
-        const RelitPicture relit_as = [&](const StackPhoto& photo, Image<Rgb>& stored) {
-            relight_stored(relighter, as_photographed(photo.light, surface.photography), report_.transfer,
-                           exposure, stored);
-        };
-        for (std::string& told :
-             register_unknown(all, photos, surface.photography, report_.transfer, relit_as, progress))
-            report_.warnings.push_back(std::move(told));
-    }
-    // Used for one photograph after the other.
-    Image<Rgb> relit(surface.width(), surface.height()), linear, with_residual;
-    Image<float> delta_e(surface.width(), surface.height());
-    PhotosAhead ahead(photos, all, unit);
-    std::vector<RejectedPhoto> rejected;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        report(progress, "compare", static_cast<double>(i) / static_cast<double>(all.size()));
-        PhotoComparison result = described(all[i], surface.photography);
-        const StoredPhoto* photo = nullptr;
-        try {
-            photo = &ahead.next();
-        } catch (const PhotoError& error) {
-            rejected.push_back({all[i].light.name, error.what()});
-            report_.warnings.push_back(fmt::format("{}; rejected", error.what()));
-            require_few(rejected, all.size(), 1, photos.folder.string());
-            continue;
-        }
-        const PixelMask fewer = photo->missing.empty() ? PixelMask() : without_missing(mask, photo->missing);
-        const PixelMask& present = fewer.empty() ? mask : fewer;
-        if (residual.empty()) {
-            relight_stored(relighter, result.light, report_.transfer, exposure, relit);
-        } else {
-            linear = relight(surface, {&result.light, 1}, relighting);
-            encode_picture(linear, report_.transfer, exposure, relit);
-            if (!as_fitted) linear = relight(surface, {&result.light, 1}, residuals_own);
-            add_residual(residual, surface, {&result.light, 1}, {}, linear);
-            encode_picture(linear, report_.transfer, exposure, with_residual);
-            result.residual_psnr_db = std::min(psnr_db(photo->picture, with_residual, present), kPsnrCap_db);
-        }
-        // Told, and not undone: what a photograph is compared with owes nothing to it.
-        if (!result.fitted && photos.channels == 3) {
-            const WhiteBalance white = white_balance_of(photo->picture, relit, present, report_.transfer,
-                                                        photos.bits != 32, result.light.direction);
-            if (white.differs) result.white_balance = glm::dvec2(white.gain().r, white.gain().b);
-        }
-        const ComparedPictures pictures{static_cast<int>(i), result, photo->picture, relit, delta_e, present,
-                                        report_.transfer,    from};
-        measure(pictures, delta_e, result);
-        if (sink) sink(pictures);
-        report_.photos.push_back(std::move(result));
-    }
-    summarise(photos, unknown, report_);
-    if (std::string told = other_white_balances(report_, photos.folder.string()); !told.empty())
-        report_.warnings.push_back(std::move(told));
-    report(progress, "compare", 1);
-    return report_;
-}
-
-json to_json(const CompareReport& report) {
-    json photos = json::array();
-    for (const PhotoComparison& p : report.photos) {
-        const Vec3& l = p.light.direction;
-        photos.push_back({{"name", utf8_of(p.name)},
-                          {"fitted", p.fitted},
-                          {"light", {l.x, l.y, l.z}},
-                          {"elevation_deg", p.elevation_deg},
-                          {"azimuth_deg", p.azimuth_deg},
-                          {"psnr_db", p.psnr_db},
-                          {"ssim", p.ssim},
-                          {"delta_e_2000", p.delta_e_2000},
-                          {"delta_e_2000_p95", p.delta_e_2000_p95},
-                          {"bias", p.bias}});
-        if (p.white_balance) photos.back()["white_balance"] = {p.white_balance->x, p.white_balance->y};
-        if (p.residual_psnr_db) photos.back()["residual_psnr_db"] = *p.residual_psnr_db;
-    }
-    const auto mean = [](const ComparisonMean& m) {
-        const auto number = [&](double value) { return m.count > 0 ? json(value) : json(nullptr); };
-        json means = {{"count", m.count},
-                      {"psnr_db", number(m.psnr_db)},
-                      {"ssim", number(m.ssim)},
-                      {"delta_e_2000", number(m.delta_e_2000)}};
-        if (m.residual_psnr_db) means["residual_psnr_db"] = *m.residual_psnr_db;
-        return means;
-    };
-    json warnings = json::array();
-    for (const std::string& warning : report.warnings) warnings.push_back(utf8_of(warning));
-    for (const std::string* doubt : {&report.foreign, &report.exchanged})
-        if (!doubt->empty()) warnings.push_back(utf8_of(*doubt));
-    // For who reads the means by program or by eye: what they are worth.
-    const bool predicts = report.held_out.count > 0;
-    const char* judged =
-        predicts
-            ? "held-out photographs: how well the painting predicts light that the fit never saw"
-            : "fitted photographs only, as none was held out: how well the fit repeats what it has seen, "
-              "not how well it predicts new light (fit with --hold-out, or compare with other photographs)";
-    return {
-        {"photos", std::move(photos)},
-        {"judged_by", predicts ? "held_out" : "fitted"},
-        {"judged_by_in_words", judged},
-        {"mean",
-         {{"held_out", mean(report.held_out)}, {"fitted", mean(report.fitted)}, {"all", mean(report.all)}}},
-        {"worst", utf8_of(report.worst)},
-        {"transfer", report.transfer.name()},
-        {"width", report.width},
-        {"height", report.height},
-        {"options", to_json<CompareOptions>(report.options)},
-        {"warnings", std::move(warnings)}};
+    Comparison comparison(surface, photos, options, progress, residual);
+    comparison.register_unlisted();
+    comparison.compare_all(sink);
+    return comparison.summarised();
 }
 
 Image<Rgb> as_photographed(const Image<Rgb>& linear, const Photography& photography) {
