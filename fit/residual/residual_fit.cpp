@@ -217,78 +217,119 @@ void compare_with(const Choice& choice, const Samples& s, const Colours& colours
     report_.used = sum / n > std::max(options.residual_min_gain_db, kSureOfGain * report_.gain_error_db);
 }
 
-}  // namespace
-
-ResidualFit fit_residual(const Surface& surface, const Stack& stack, const ResidualOptions& options,
-                         const Progress& progress) {
-    validate(options);
+void require_fitted_from(const Surface& surface, const Stack& stack) {
     require_consistent(surface);
     if (surface.width() != stack.width() || surface.height() != stack.height())
         fail(
             "{}: the photographs are {} x {}, the painting is {} x {}; give the photographs that it was "
             "fitted from",
             stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
-    const std::vector<FittedPhoto> photos = fitted_photos(surface, stack);
+}
+
+void require_enough(const std::vector<FittedPhoto>& photos, const Stack& stack) {
     if (photos.size() < kFewestForResidual)
         fail(
             "{}: {} photographs are too few for a residual over the light's direction, which needs {}; fit "
             "without "
             "--residual",
             stack.folder.string(), photos.size(), kFewestForResidual);
-    ResidualFit result;
-    const Colours colours = colours_of(surface, stack);
-    const std::vector<glm::ivec2> positions = sample_positions(surface, options.residual_samples);
-    if (positions.empty()) return result;
+}
 
-    Samples samples;
-    samples.residual.resize(static_cast<Eigen::Index>(photos.size()),
-                            static_cast<Eigen::Index>(3 * positions.size()));
-    for (const glm::ivec2& at : positions)
-        samples.to_rgb.push_back(colour_frame(surface.diffuse(at.x, at.y)));
-    const bool keep = photos.size() * surface.height_mm.size() * sizeof(Vec3) <= kKeptBytes;
-    std::vector<Image<Vec3>> kept;
-    std::vector<Vec3> directions;
-    for (std::size_t i = 0; i < photos.size(); ++i) {
-        Sampled& sampled = samples.photos.emplace_back();
-        Image<Vec3> residual = residual_of(surface, photos[i], colours, positions, &sampled);
-        for (std::size_t j = 0; j < positions.size(); ++j)
-            for (int c = 0; c < 3; ++c)
-                samples.residual(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(3 * j) + c) =
-                    residual(positions[j].x, positions[j].y)[c];
-        directions.push_back(photos[i].light.direction);
-        if (keep) kept.push_back(std::move(residual));
-        report(progress, "residual", 0.4 * static_cast<double>(i + 1) / static_cast<double>(photos.size()));
+// The fit of the residual: photographs are sampled, a kernel is chosen, and then all pixels are summed up.
+class ResidualFitter {
+public:
+    ResidualFitter(const Surface& surface, const Stack& stack, const ResidualOptions& options,
+                   std::vector<FittedPhoto> photos, const Progress& progress)
+        : surface_(surface),
+          options_(options),
+          photos_(std::move(photos)),
+          progress_(progress),
+          colours_(colours_of(surface, stack)),
+          positions_(sample_positions(surface, options.residual_samples)) {
+        for (const FittedPhoto& photo : photos_) directions_.push_back(photo.light.direction);
     }
-    const Choice choice = choose_kernel(samples, colours, directions, progress);
-    compare_with(choice, samples, colours, options, result.report);
-    if (!result.report.used) return result;
+    ResidualFit run();
 
-    const Matrix kernel = kernel_matrix(directions, choice.kernel, choice.reach);
+private:
+    void sample_photographs();
+    void sum_up(const Choice& choice, ResidualFit& result);
+
+    const Surface& surface_;
+    const ResidualOptions& options_;
+    const std::vector<FittedPhoto> photos_;
+    const Progress& progress_;
+    const Colours colours_;
+    const std::vector<glm::ivec2> positions_;
+    std::vector<Vec3> directions_;
+    Samples samples_;
+    std::vector<Image<Vec3>> kept_;  // residuals of the photographs; empty where they take too much memory
+};
+
+void ResidualFitter::sample_photographs() {
+    samples_.residual.resize(static_cast<Eigen::Index>(photos_.size()),
+                             static_cast<Eigen::Index>(3 * positions_.size()));
+    for (const glm::ivec2& at : positions_)
+        samples_.to_rgb.push_back(colour_frame(surface_.diffuse(at.x, at.y)));
+    const bool keep = photos_.size() * surface_.height_mm.size() * sizeof(Vec3) <= kKeptBytes;
+    for (std::size_t i = 0; i < photos_.size(); ++i) {
+        Sampled& sampled = samples_.photos.emplace_back();
+        Image<Vec3> residual = residual_of(surface_, photos_[i], colours_, positions_, &sampled);
+        for (std::size_t j = 0; j < positions_.size(); ++j)
+            for (int c = 0; c < 3; ++c)
+                samples_.residual(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(3 * j) + c) =
+                    residual(positions_[j].x, positions_[j].y)[c];
+        if (keep) kept_.push_back(std::move(residual));
+        report(progress_, "residual", 0.4 * static_cast<double>(i + 1) / static_cast<double>(photos_.size()));
+    }
+}
+
+void ResidualFitter::sum_up(const Choice& choice, ResidualFit& result) {
+    const Matrix kernel = kernel_matrix(directions_, choice.kernel, choice.reach);
     const Matrix inverse = inverse_of(kernel, choice.ridge);
-    const Matrix predicted = kernel * inverse * samples.residual;
-    const Matrix along = components_of(columns_of(predicted, true), options.residual_terms);
-    const Matrix across = components_of(columns_of(predicted, false), options.residual_colour_terms);
+    const Matrix predicted = kernel * inverse * samples_.residual;
+    const Matrix along = components_of(columns_of(predicted, true), options_.residual_terms);
+    const Matrix across = components_of(columns_of(predicted, false), options_.residual_colour_terms);
     RelightingResidual& residual = result.residual;
     residual.kernel = choice.kernel;
     residual.reach = choice.reach;
-    residual.light_radius_deg = light_radius_deg(surface, {});
-    residual.directions = directions;
+    residual.light_radius_deg = light_radius_deg(surface_, {});
+    residual.directions = directions_;
     residual.brightness_weights = rows_of(along.transpose() * inverse);
     residual.colour_weights = rows_of(across.transpose() * inverse);
     residual.brightness.assign(static_cast<std::size_t>(along.cols()),
-                               Image<float>(surface.width(), surface.height()));
+                               Image<float>(surface_.width(), surface_.height()));
     residual.colour.assign(static_cast<std::size_t>(2 * across.cols()),
-                           Image<float>(surface.width(), surface.height()));
-    for (std::size_t i = 0; i < photos.size(); ++i) {
-        accumulate(keep ? kept[i] : residual_of(surface, photos[i], colours, {}, nullptr), along, across,
-                   static_cast<Eigen::Index>(i), residual);
-        report(progress, "residual",
-               0.5 + 0.5 * static_cast<double>(i + 1) / static_cast<double>(photos.size()));
+                           Image<float>(surface_.width(), surface_.height()));
+    for (std::size_t i = 0; i < photos_.size(); ++i) {
+        accumulate(!kept_.empty() ? kept_[i] : residual_of(surface_, photos_[i], colours_, {}, nullptr),
+                   along, across, static_cast<Eigen::Index>(i), residual);
+        report(progress_, "residual",
+               0.5 + 0.5 * static_cast<double>(i + 1) / static_cast<double>(photos_.size()));
     }
-    residual.dry_hash = hash_of(surface);
+    residual.dry_hash = hash_of(surface_);
     result.report.terms = static_cast<int>(along.cols());
     result.report.colour_terms = static_cast<int>(across.cols());
+}
+
+ResidualFit ResidualFitter::run() {
+    ResidualFit result;
+    if (positions_.empty()) return result;
+    sample_photographs();
+    const Choice choice = choose_kernel(samples_, colours_, directions_, progress_);
+    compare_with(choice, samples_, colours_, options_, result.report);
+    if (result.report.used) sum_up(choice, result);
     return result;
+}
+
+}  // namespace
+
+ResidualFit fit_residual(const Surface& surface, const Stack& stack, const ResidualOptions& options,
+                         const Progress& progress) {
+    validate(options);
+    require_fitted_from(surface, stack);
+    std::vector<FittedPhoto> photos = fitted_photos(surface, stack);
+    require_enough(photos, stack);
+    return ResidualFitter(surface, stack, options, std::move(photos), progress).run();
 }
 
 nlohmann::json to_json(const ResidualReport& report) {
