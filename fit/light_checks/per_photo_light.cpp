@@ -122,15 +122,19 @@ void find_relief(std::vector<ReliefPixel>& pixels, const std::vector<Light>& lig
     });
 }
 
-// The light that one photograph shows, by regression with Tukey's weights.
-std::optional<ShownLight> per_photo_light(std::size_t photo, const std::vector<ReliefPixel>& pixels) {
-    struct Sample {
-        ShownUnknowns row;
-        double value;
-        int part;
-        double weight = 1;
-    };
-    std::vector<Sample> samples;
+namespace {
+
+// Of a photograph: what the relief makes of a pixel, over how bright it is.
+struct ShownSample {
+    ShownUnknowns row;
+    double value;
+    int part;
+    double weight = 1;
+};
+
+// Pixels that are lit; none where too few are.
+std::vector<ShownSample> shown_samples(std::size_t photo, const std::vector<ReliefPixel>& pixels) {
+    std::vector<ShownSample> samples;
     std::vector<double> brightness;
     for (const ReliefPixel& pixel : pixels)
         if (pixel.valid && !std::isnan(pixel.values[photo])) {
@@ -141,37 +145,50 @@ std::optional<ShownLight> per_photo_light(std::size_t photo, const std::vector<R
     const auto valid = static_cast<double>(
         std::count_if(pixels.begin(), pixels.end(), [](const ReliefPixel& p) { return p.valid; }));
     if (samples.size() < kFewestPixels || static_cast<double>(samples.size()) < kLeastUnclipped * valid)
-        return std::nullopt;
+        return {};
     const double dark = kLeastLit * median(brightness);
-    std::erase_if(samples, [&](const Sample& s) { return s.value < dark; });
-    if (samples.size() < kFewestPixels) return std::nullopt;
+    std::erase_if(samples, [&](const ShownSample& s) { return s.value < dark; });
+    if (samples.size() < kFewestPixels) return {};
+    return samples;
+}
+
+// The sums of a regression, of the parts of the picture and of all.
+struct ShownRegression {
     std::array<ShownSums, kReliefParts * kReliefParts> parts;
     ShownSums all;
-    for (int sweep = 0; sweep < kShownSweeps; ++sweep) {
-        all = {};
-        parts = {};
-        for (const Sample& s : samples) {
+
+    explicit ShownRegression(const std::vector<ShownSample>& samples) {
+        for (const ShownSample& s : samples) {
             ShownSums& part = parts[static_cast<std::size_t>(s.part)];
             part.matrix += s.weight * s.row * s.row.transpose();
             part.right += s.weight * s.value * s.row;
             part.squares += s.weight * s.value * s.value;
         }
         for (const ShownSums& part : parts) all += part;
-        const ShownUnknowns x = Eigen::LDLT<ShownNormal>(all.matrix).solve(all.right);
-        std::vector<double> residuals;
-        for (const Sample& s : samples) residuals.push_back(std::abs(s.value - s.row.dot(x)));
-        const double limit = kTukeyShown * std::max(1.4826 * median(residuals), 1e-12);
-        for (std::size_t i = 0; i < samples.size(); ++i) {
-            const double r = residuals[i] / limit, w = std::max(1 - r * r, 0.0);
-            samples[i].weight = w * w;
-        }
     }
-    const std::optional<Eigen::Vector3d> light = all.light();
+};
+
+// Tukey's weights of what a regression leaves over.
+void weigh(const ShownSums& sums, std::vector<ShownSample>& samples) {
+    const ShownUnknowns x = Eigen::LDLT<ShownNormal>(sums.matrix).solve(sums.right);
+    std::vector<double> residuals;
+    for (const ShownSample& s : samples) residuals.push_back(std::abs(s.value - s.row.dot(x)));
+    const double limit = kTukeyShown * std::max(1.4826 * median(residuals), 1e-12);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const double r = residuals[i] / limit, w = std::max(1 - r * r, 0.0);
+        samples[i].weight = w * w;
+    }
+}
+
+// With standard errors by leaving out a part in turn. Nothing where a part decides.
+std::optional<ShownLight> shown_light(const ShownRegression& regression) {
+    const std::optional<Eigen::Vector3d> light = regression.all.light();
     if (!light) return std::nullopt;
     double side_squares = 0, zenith_squares = 0;
     int count = 0;
-    for (const ShownSums& part : parts) {
+    for (const ShownSums& part : regression.parts) {
         if (!(part.matrix(0, 0) > 0)) continue;
+        const ShownSums& all = regression.all;
         const auto without = ShownSums{all.matrix - part.matrix, all.right - part.right}.light();
         if (!without) return std::nullopt;
         const double turned = angle_between(without->head<2>(), light->head<2>());
@@ -179,9 +196,19 @@ std::optional<ShownLight> per_photo_light(std::size_t photo, const std::vector<R
         side_squares += turned * turned, zenith_squares += raised * raised, ++count;
     }
     if (count < kReliefParts) return std::nullopt;
-    const double validation = static_cast<double>(count - 1) / count;  // jackknife (Quenouille 1956)
-    return ShownLight{light->head<2>().normalized(), std::sqrt(side_squares * validation), all.explained(),
-                      zenith_of(*light), std::sqrt(zenith_squares * validation)};
+    const double jackknife = static_cast<double>(count - 1) / count;  // (Quenouille 1956)
+    return ShownLight{light->head<2>().normalized(), std::sqrt(side_squares * jackknife),
+                      regression.all.explained(), zenith_of(*light), std::sqrt(zenith_squares * jackknife)};
+}
+
+}  // namespace
+
+// The light that one photograph shows, by regression with Tukey's weights.
+std::optional<ShownLight> per_photo_light(std::size_t photo, const std::vector<ReliefPixel>& pixels) {
+    std::vector<ShownSample> samples = shown_samples(photo, pixels);
+    if (samples.empty()) return std::nullopt;
+    for (int sweep = 0; sweep + 1 < kShownSweeps; ++sweep) weigh(ShownRegression(samples).all, samples);
+    return shown_light(ShownRegression(samples));
 }
 
 }  // namespace tangi
