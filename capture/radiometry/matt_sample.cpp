@@ -17,8 +17,8 @@ constexpr double kLowestCosine = 0.25;  // [1] below 15 degrees shadows and inte
 constexpr double kRatioScale = 0.1;     // [1] ln ratio from which on a pixel counts less
 constexpr float kNoDeviation = std::numeric_limits<float>::quiet_NaN();
 
-PixelSamples linearised(const std::vector<Light>& lights, const Survey& survey, int sample,
-                        const Transfer& transfer) {
+PixelSamples linearised(const std::vector<Light>& lights, const LinearSurvey& linear, int sample) {
+    const auto& [survey, transfer, width, height] = linear;
     PixelSamples s;
     const int photos = static_cast<int>(lights.size());
     s.resize(photos, 1);
@@ -53,9 +53,10 @@ double predicted(const MattSample& sample, std::size_t k, std::size_t photo) {
 // lights of other strength, and near ones, do. Robust (Cauchy): shadows and highlights are no lights.
 class IlluminationPlane {
 public:
-    IlluminationPlane(const MattSample& sample, std::size_t photo, const Survey& survey, int width,
-                      int height)
-        : survey_(survey), centre_(width / 2.0, height / 2.0), scale_(1.0 / std::max(width, height)) {
+    IlluminationPlane(const MattSample& sample, std::size_t photo, const LinearSurvey& linear)
+        : survey_(linear.survey),
+          centre_(linear.width / 2.0, linear.height / 2.0),
+          scale_(1.0 / std::max(linear.width, linear.height)) {
         std::vector<double> ratios;
         std::vector<glm::dvec3> terms;
         for (std::size_t k = 0; k < sample.index.size(); ++k) {
@@ -111,11 +112,12 @@ void find_surfaces(MattSample& sample) {
 }
 
 // Lights, with the surfaces as they were found, and what is left.
-void find_lights(MattSample& sample, const Survey& survey, const Transfer& transfer, int width, int height) {
+void find_lights(MattSample& sample, const LinearSurvey& linear) {
+    const Transfer& transfer = linear.transfer;
     const std::size_t photos = sample.log_strengths.size();
     parallel_for(0, static_cast<int>(photos), 1, [&](int begin, int end) {
         for (auto photo = static_cast<std::size_t>(begin); photo < static_cast<std::size_t>(end); ++photo) {
-            const IlluminationPlane plane(sample, photo, survey, width, height);
+            const IlluminationPlane plane(sample, photo, linear);
             sample.log_strengths[photo] = plane.at_centre();
             for (std::size_t k = 0; k < sample.index.size(); ++k) {
                 float& deviation = sample.deviations[photo][k];
@@ -156,28 +158,27 @@ std::vector<double> MattSample::mean_deviations(double most) const {
     return means;
 }
 
-MattSample matt_sample(const std::vector<Light>& lights, const Survey& survey, const Transfer& transfer,
-                       int width, int height, int wanted, int rounds) {
+MattSample matt_sample(const std::vector<Light>& lights, const LinearSurvey& linear, int wanted, int rounds) {
     MattSample sample;
-    sample.index = survey.spread(wanted);
+    sample.index = linear.survey.spread(wanted);
     sample.pixels.resize(sample.index.size());
     sample.estimates.resize(sample.index.size());
     parallel_for(0, static_cast<int>(sample.index.size()), 16, [&](int begin, int end) {
         for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k)
-            sample.pixels[k] = linearised(lights, survey, sample.index[k], transfer);
+            sample.pixels[k] = linearised(lights, linear, sample.index[k]);
     });
     sample.log_strengths.assign(lights.size(), 0);
     sample.deviations.assign(lights.size(), std::vector<float>(sample.index.size(), kNoDeviation));
     sample.factors.assign(lights.size(), std::vector<double>(sample.index.size(), 1));
     find_surfaces(sample);
-    find_lights(sample, survey, transfer, width, height);
-    for (int round = 1; round < rounds; ++round) refine(sample, survey, transfer, width, height);
+    find_lights(sample, linear);
+    for (int round = 1; round < rounds; ++round) refine(sample, linear);
     return sample;
 }
 
-void refine(MattSample& sample, const Survey& survey, const Transfer& transfer, int width, int height) {
+void refine(MattSample& sample, const LinearSurvey& linear) {
     find_surfaces(sample);
-    find_lights(sample, survey, transfer, width, height);
+    find_lights(sample, linear);
 }
 
 }  // namespace tangi

@@ -32,13 +32,20 @@ struct MattSample {
     std::vector<double> mean_deviations(double most) const;
 };
 
-// `lights` are in the order of the survey's photographs; `width` and `height` [pixels] of the picture. Takes
-// about `wanted` samples. In the first round surfaces are found as if all lights were equally strong, in each
-// further one with the illumination that the one before found. Deterministic for any number of threads.
-MattSample matt_sample(const std::vector<Light>& lights, const Survey& survey, const Transfer& transfer,
-                       int width, int height, int wanted, int rounds = 1);
+// A survey, how its samples become linear light, and the picture that it is of.
+struct LinearSurvey {
+    const Survey& survey;
+    const Transfer& transfer;
+    int width = 0, height = 0;  // [pixels]
+};
+
+// `lights` are in the order of the survey's photographs. Takes about `wanted` samples. In the first round
+// surfaces are found as if all lights were equally strong, in each further one with the illumination that the
+// one before found. Deterministic for any number of threads.
+MattSample matt_sample(const std::vector<Light>& lights, const LinearSurvey& linear, int wanted,
+                       int rounds = 1);
 
 // One more round.
-void refine(MattSample& sample, const Survey& survey, const Transfer& transfer, int width, int height);
+void refine(MattSample& sample, const LinearSurvey& linear);
 
 }  // namespace tangi

@@ -34,7 +34,7 @@ constexpr double kSureAgainst = 20;     // [1] odds by which photographs contrad
 
 // Median deviation from robust matt reflection, surfaces being found as if lights were equally strong.
 double residual_of(const Stack& stack, const Survey& survey, const Transfer& transfer) {
-    return matt_sample(stack.lights(), survey, transfer, stack.width(), stack.height(), kCurveSamples)
+    return matt_sample(stack.lights(), {survey, transfer, stack.width(), stack.height()}, kCurveSamples)
         .residual();
 }
 

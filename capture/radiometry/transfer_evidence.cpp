@@ -152,9 +152,10 @@ TransferTrial try_transfer(const Stack& stack, const Survey& survey, const Trans
     const std::vector<Light> lights = stack.lights();
     const int width = stack.width(), height = stack.height();
     TransferTrial trial{.transfer = transfer};
-    MattSample sample = matt_sample(lights, survey, transfer, width, height, kEvidenceSamples);
+    const LinearSurvey linear{survey, transfer, width, height};
+    MattSample sample = matt_sample(lights, linear, kEvidenceSamples);
     trial.equal_residual = sample.residual();
-    for (int round = 1; round < kEvidenceRounds; ++round) refine(sample, survey, transfer, width, height);
+    for (int round = 1; round < kEvidenceRounds; ++round) refine(sample, linear);
     trial.residual = sample.residual();
     const std::size_t groups = std::min(kGroups, lights.size());
     for (std::size_t group = 0; group < groups; ++group)

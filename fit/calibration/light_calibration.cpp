@@ -50,6 +50,170 @@ double turns_in_sigmas(const LightCalibration& calibration) {
     return count > 0 ? std::sqrt(squares / count) : 0;
 }
 
+// The search for the lighting model: one freedom after the other, each tried beside the best so far.
+class ModelSearch {
+public:
+    ModelSearch(const SurveyedStack& surveyed, const Lighting& given, const WardFitOptions& ward,
+                const LightCalibrationOptions& options, const Progress& progress);
+
+    // What all lights share, and their strengths.
+    void try_lights();
+    // Directions, smooth or of each light's own.
+    void try_directions();
+    // Smooth directions that hardly turn, and own ones that explain fewer pixels than strengths do.
+    void drop_doubtful_directions();
+    // Strengths where photographs do not predict each other better with them, but are explained better.
+    void try_gains();
+    void try_beams();
+    // The best model once more, with more pixels.
+    void solve_finer();
+    LightCalibration found();
+
+private:
+    const TriedModel& best() const { return tried_[best_]; }
+    void attempt(const std::vector<LightingModel>& models,
+                 const std::optional<LightBundleAdjustment>& from = {});
+    void attempt_own(const LightingModel& wanted, double explained_db, double loss_db,
+                     const PixelWorth& of_pixels, const std::optional<LightBundleAdjustment>& from = {});
+    void attempt_beams(const TriedModel& even);
+    LightCalibration calibration_of(const TriedModel& one) const {
+        return one.solution ? calibrated(sample_, *one.solution, given_, one.trial.model)
+                            : LightCalibration{.lighting = given_};
+    }
+    int photos() const { return static_cast<int>(surveyed_.stack.photos.size()); }
+
+    const SurveyedStack& surveyed_;
+    const Lighting& given_;
+    const WardFitOptions& ward_;
+    const LightCalibrationOptions& options_;
+    const Progress& progress_;
+    // Few photographs tell what all lights share, fewer not each light's strength: one more unknown a
+    // photograph.
+    const bool few_, gains_;
+    const bool measured_;  // directions have standard errors
+    const bool refines_;   // directions, whatever validation photographs say
+    const RejectedPhotos out_;
+    const LightSample sample_;
+    std::mutex mutex_;
+    int steps_done_ = 0;
+    std::vector<TriedModel> tried_;
+    std::size_t best_ = 0, listed_ = 0;  // in tried_: of all, and with directions as listed
+};
+
+ModelSearch::ModelSearch(const SurveyedStack& surveyed, const Lighting& given, const WardFitOptions& ward,
+                         const LightCalibrationOptions& options, const Progress& progress)
+    : surveyed_(surveyed),
+      given_(given),
+      ward_(ward),
+      options_(options),
+      progress_(progress),
+      few_(photos() < std::max(kFewestForOwn, options.fewest_photos)),
+      gains_(photos() >= options.fewest_photos),
+      measured_(!given.direction_sigma_deg.empty()),
+      refines_(!few_ && (options.refine_directions || measured_)),
+      out_(few_ ? RejectedPhotos{photos(), photos()} : kHalfOfThem),
+      sample_(surveyed, ward, options.samples) {}
+
+void ModelSearch::attempt(const std::vector<LightingModel>& models,
+                          const std::optional<LightBundleAdjustment>& from) {
+    const int steps = (few_ ? 3 : 8) * (1 + out_.trials);  // at most
+    const auto step_done = [&] {
+        const std::lock_guard lock(mutex_);
+        report(progress_, "lights", ++steps_done_ / static_cast<double>(steps));
+    };
+    for (TriedModel& one : tried(sample_, given_, models, out_, step_done, from)) {
+        tried_.push_back(std::move(one));
+        if (!tried_.back().solution && tried_.size() > 1) {
+            tried_.pop_back();
+            continue;
+        }
+        const LightCalibration::Trial &now = tried_.back().trial, &best_yet = best().trial;
+        // Beams have more to show than a better prediction: attempt_own().
+        if (now.model.beams == best_yet.model.beams && is_better(now, best_yet, options_.min_gain_db))
+            best_ = tried_.size() - 1;
+    }
+}
+
+// Whether a model that gives each light more of its own is to be taken: tried where it has not been.
+void ModelSearch::attempt_own(const LightingModel& wanted, double explained_db, double loss_db,
+                              const PixelWorth& of_pixels, const std::optional<LightBundleAdjustment>& from) {
+    const auto is_wanted = [&](const TriedModel& one) { return one.trial.model == wanted; };
+    const std::size_t before = best_;
+    if (std::none_of(tried_.begin(), tried_.end(), is_wanted)) attempt({wanted}, from);
+    const auto found = std::find_if(tried_.begin(), tried_.end(), is_wanted);
+    if (best_ == before && found != tried_.end() &&
+        explains_better(found->trial, best().trial, explained_db, loss_db, of_pixels))
+        best_ = static_cast<std::size_t>(found - tried_.begin());
+}
+
+void ModelSearch::attempt_beams(const TriedModel& even) {
+    LightingModel uneven = even.trial.model;
+    uneven.beams = true;
+    attempt_own(uneven, kBeamsWorth_db, 0, kBeamsWorth, std::optional(even.solution));
+}
+
+void ModelSearch::try_lights() {
+    std::vector<LightingModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
+    if (gains_) models.push_back({LightFreedom::rig_and_gains});
+    attempt(models);
+    listed_ = best_;
+}
+
+// A light that was left out has no part in directions of each light's own: with few photographs leaving some
+// out says nothing of them, and it is up to the user.
+void ModelSearch::try_directions() {
+    const LightFreedom lights = best().trial.model.lights;
+    const DirectionFreedom refined = measured_ ? DirectionFreedom::measured : DirectionFreedom::own;
+    if (refines_)
+        attempt({{lights, refined}});
+    else if (!few_ && surveyed_.stack.photos.size() >= kFewestForDirections)
+        attempt({{lights, DirectionFreedom::smooth}, {lights, DirectionFreedom::own}});
+    if (refines_ && tried_.back().trial.model.directions == refined) best_ = tried_.size() - 1;
+}
+
+void ModelSearch::drop_doubtful_directions() {
+    if (best().trial.model.directions == DirectionFreedom::smooth &&
+        turns_in_sigmas(calibration_of(best())) < kSureTurns)
+        best_ = listed_;
+    // Lights of other strength seem to stand elsewhere, too: what explains more of the pixels is it.
+    const auto strengths = std::find_if(tried_.begin(), tried_.end(), [](const TriedModel& one) {
+        return one.trial.model == LightingModel{LightFreedom::rig_and_gains};
+    });
+    if (best().trial.model.directions == DirectionFreedom::own && !refines_ && strengths != tried_.end() &&
+        strengths->trial.pixels.part_better_than(best().trial.pixels) > kMostPixels)
+        best_ = listed_;
+}
+
+void ModelSearch::try_gains() {
+    if (!gains_ || tried_[listed_].trial.model.lights == LightFreedom::rig_and_gains) return;
+    LightingModel wanted = best().trial.model;
+    wanted.lights = LightFreedom::rig_and_gains;
+    attempt_own(wanted, kGainsWorth_db, options_.min_gain_db, kGainsWorth);
+}
+
+// Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried with
+// the directions as listed.
+void ModelSearch::try_beams() {
+    if (few_) return;
+    const TriedModel even = best(), as_listed = tried_[listed_];
+    attempt_beams(even);
+    if (!refines_ && even.trial.model.directions != DirectionFreedom::listed) attempt_beams(as_listed);
+}
+
+void ModelSearch::solve_finer() {
+    TriedModel& chosen = tried_[best_];
+    if (!chosen.solution) return;
+    const LightSample fine(surveyed_, ward_, kFiner * options_.samples);
+    if (fine.size() > sample_.size())
+        chosen.solution = solved_finer(fine, *chosen.solution, given_, chosen.trial.model);
+}
+
+LightCalibration ModelSearch::found() {
+    LightCalibration result = calibration_of(best());
+    for (TriedModel& one : tried_) result.trials.push_back(std::move(one.trial));
+    return result;
+}
+
 }  // namespace
 
 std::string name_of(const LightingModel& model) {
@@ -134,107 +298,19 @@ nlohmann::json to_json(const LightCalibration& calibration) {
             {"directions", turns}};
 }
 
-LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, const Transfer& transfer,
-                                  const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
+LightCalibration calibrate_lights(const SurveyedStack& surveyed, const Lighting& given,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options,
                                   const Progress& progress) {
     validate(options);
-    const int photos = static_cast<int>(stack.photos.size());
-    if (photos < kFewestForRig) return {.lighting = given};
-    // Few photographs tell what all lights share, fewer not each light's strength: one more unknown a
-    // photograph.
-    const bool few = photos < std::max(kFewestForOwn, options.fewest_photos),
-               gains = photos >= options.fewest_photos;
-    const RejectedPhotos out = few ? RejectedPhotos{photos, photos} : kHalfOfThem;
-    const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, options.samples);
-    std::mutex mutex;
-    int done = 0;
-    const int steps = (few ? 3 : 8) * (1 + out.trials);  // at most
-    const auto step_done = [&] {
-        const std::lock_guard lock(mutex);
-        report(progress, "lights", ++done / static_cast<double>(steps));
-    };
-    std::vector<TriedModel> all;
-    std::size_t best = 0;
-    const auto attempt = [&](const std::vector<LightingModel>& models,
-                             const std::optional<LightBundleAdjustment>& from = {}) {
-        for (TriedModel& one : tried(sample, given, models, out, step_done, from)) {
-            all.push_back(std::move(one));
-            if (!all.back().solution && all.size() > 1) {
-                all.pop_back();
-                continue;
-            }
-            const LightCalibration::Trial &tried_now = all.back().trial, &best_yet = all[best].trial;
-            // Beams have more to show than a better prediction: attempt_own().
-            if (tried_now.model.beams == best_yet.model.beams &&
-                is_better(tried_now, best_yet, options.min_gain_db))
-                best = all.size() - 1;
-        }
-    };
-    // Whether a model that gives each light more of its own is to be taken: tried where it has not been.
-    const auto attempt_own = [&](const LightingModel& wanted, double explained_db, double loss_db,
-                                 const PixelWorth& of_pixels,
-                                 const std::optional<LightBundleAdjustment>& from = {}) {
-        const auto is_wanted = [&](const TriedModel& one) { return one.trial.model == wanted; };
-        const std::size_t before = best;
-        if (std::none_of(all.begin(), all.end(), is_wanted)) attempt({wanted}, from);
-        const auto found = std::find_if(all.begin(), all.end(), is_wanted);
-        if (best == before && found != all.end() &&
-            explains_better(found->trial, all[best].trial, explained_db, loss_db, of_pixels))
-            best = static_cast<std::size_t>(found - all.begin());
-    };
-    const auto attempt_beams = [&](const TriedModel& even) {
-        LightingModel uneven = even.trial.model;
-        uneven.beams = true;
-        attempt_own(uneven, kBeamsWorth_db, 0, kBeamsWorth, std::optional(even.solution));
-    };
-    std::vector<LightingModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
-    if (gains) models.push_back({LightFreedom::rig_and_gains});
-    attempt(models);
-    const std::size_t listed = best;
-    const LightFreedom lights = all[best].trial.model.lights;
-    // A light that was left out has no part in directions of each light's own: with few photographs leaving
-    // some out says nothing of them, and it is up to the user.
-    const bool measured = !given.direction_sigma_deg.empty();
-    const DirectionFreedom refined = measured ? DirectionFreedom::measured : DirectionFreedom::own;
-    const bool refines = !few && (options.refine_directions || measured);
-    if (refines)
-        attempt({{lights, refined}});
-    else if (!few && stack.photos.size() >= kFewestForDirections)
-        attempt({{lights, DirectionFreedom::smooth}, {lights, DirectionFreedom::own}});
-    if (refines && all.back().trial.model.directions == refined) best = all.size() - 1;
-    const auto calibration_of = [&](const TriedModel& one) {
-        return one.solution ? calibrated(sample, *one.solution, given, one.trial.model)
-                            : LightCalibration{.lighting = given};
-    };
-    if (all[best].trial.model.directions == DirectionFreedom::smooth &&
-        turns_in_sigmas(calibration_of(all[best])) < kSureTurns)
-        best = listed;
-    // Lights of other strength seem to stand elsewhere, too: what explains more of the pixels is it.
-    const auto strengths = std::find_if(all.begin(), all.end(), [](const TriedModel& one) {
-        return one.trial.model == LightingModel{LightFreedom::rig_and_gains};
-    });
-    if (all[best].trial.model.directions == DirectionFreedom::own && !refines && strengths != all.end() &&
-        strengths->trial.pixels.part_better_than(all[best].trial.pixels) > kMostPixels)
-        best = listed;
-    if (gains && lights != LightFreedom::rig_and_gains) {
-        LightingModel wanted = all[best].trial.model;
-        wanted.lights = LightFreedom::rig_and_gains;
-        attempt_own(wanted, kGainsWorth_db, options.min_gain_db, kGainsWorth);
-    }
-    // Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried
-    // with the directions as listed.
-    if (!few) {
-        const TriedModel even = all[best], as_listed = all[listed];
-        attempt_beams(even);
-        if (!refines && even.trial.model.directions != DirectionFreedom::listed) attempt_beams(as_listed);
-    }
-    if (const LightSample fine(stack, survey, transfer, noise, mm_per_pixel, ward, kFiner * options.samples);
-        all[best].solution && fine.size() > sample.size())
-        all[best].solution = solved_finer(fine, *all[best].solution, given, all[best].trial.model);
-    LightCalibration result = calibration_of(all[best]);
-    for (TriedModel& one : all) result.trials.push_back(std::move(one.trial));
-    return result;
+    if (surveyed.stack.photos.size() < kFewestForRig) return {.lighting = given};
+    ModelSearch search(surveyed, given, ward, options, progress);
+    search.try_lights();
+    search.try_directions();
+    search.drop_doubtful_directions();
+    search.try_gains();
+    search.try_beams();
+    search.solve_finer();
+    return search.found();
 }
 
 }  // namespace tangi

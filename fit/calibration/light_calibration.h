@@ -21,11 +21,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/stack/survey.h"
 #include "fit/calibration/light_bundle_adjustment.h"
-#include "fit/pixel/lighting.h"
+#include "fit/calibration/light_sample.h"
 #include "fit/pixel/pixel_scores.h"
-#include "fit/pixel/ward_fit.h"
 #include "surface/base/progress.h"
 #include "surface/maps/light_model.h"
 
@@ -120,12 +118,10 @@ struct LightCalibration {
     std::vector<Trial> trials{};         // empty where there were too few photographs to try
 };
 
-// The photographs' lights as the fit should take them. `given` has the lights of stack.photos; the survey is
-// of the stack. Directions whose standard errors are given are corrected as far as these allow, whatever
-// validation photographs say, which share nothing with a light's own error. Deterministic for any number of
-// threads.
-LightCalibration calibrate_lights(const Stack& stack, const Survey& survey, const Transfer& transfer,
-                                  const NoiseModel& noise, const Lighting& given, double mm_per_pixel,
+// The photographs' lights as the fit should take them. `given` has the lights of stack.photos. Directions
+// whose standard errors are given are corrected as far as these allow, whatever validation photographs say,
+// which share nothing with a light's own error. Deterministic for any number of threads.
+LightCalibration calibrate_lights(const SurveyedStack& surveyed, const Lighting& given,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options = {},
                                   const Progress& progress = {});
 

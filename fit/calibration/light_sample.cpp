@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <span>
 
 #include "fit/material/anisotropy_estimate.h"
 #include "fit/material/specular_colour.h"
@@ -23,6 +24,51 @@ constexpr double kBelowBright = 0.98;  // [1] of the values
 // Half of the ranks, so that a sample and those that it changes places with are in the same half.
 bool is_other(std::uint32_t rank) { return (rank * 0x9E3779B1u >> 16) % 2 == 1; }
 
+// Fits pixels in batches, and those that batches leave in doubt with Ceres. Keeps its memory; one a thread.
+class SampleFitter {
+public:
+    SampleFitter(const WardFitOptions& options, int photos, int channels)
+        : general_(options.prior), photos_(photos), channels_(channels), batches_(options), ceres_(options) {}
+
+    // Pixels begin <= k < end, with what gather(k, samples) and prior_of(k) know of them; estimates[0] is
+    // that of `begin`.
+    template <class Gather, class PriorOf>
+    void fit(int begin, int end, const Gather& gather, const PriorOf& prior_of,
+             std::span<WardEstimate> estimates) {
+        batches_.start(end - begin);
+        for (int first = begin; first < end; first += kWardLanes) {
+            batch_.resize(photos_, channels_, general_);
+            for (int k = first; k < std::min(first + kWardLanes, end); ++k) {
+                gather(k, samples_);
+                batch_.set(k - first, k - begin, samples_);
+                batch_.set_prior(k - first, prior_of(k));
+            }
+            batches_.fit(batch_);
+        }
+        batches_.finish();
+        for (int k = begin; k < end; ++k) {
+            const auto at = static_cast<std::size_t>(k - begin);
+            const WardSolution& solution = batches_.solutions()[at];
+            WardEstimate& estimate = estimates[at];
+            estimate = solution.estimate(channels_);
+            estimate.stretch = prior_of(k).stretch;
+            if (!solution.doubtful) continue;
+            gather(k, samples_);
+            const WardEstimate other = ceres_.fit(samples_, prior_of(k));
+            if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
+                estimate = other;
+        }
+    }
+
+private:
+    WardPrior general_;
+    int photos_, channels_;
+    WardBatchFitter batches_;
+    WardFitter ceres_;
+    WardBatch batch_;
+    PixelSamples samples_;
+};
+
 }  // namespace
 
 float bright_stored(const Survey& survey) {
@@ -36,9 +82,9 @@ float bright_stored(const Survey& survey) {
     return *at;
 }
 
-LightSample::LightSample(const Stack& stack, const Survey& survey, const Transfer& transfer,
-                         const NoiseModel& noise, double mm_per_pixel, const WardFitOptions& ward, int wanted)
-    : survey_(survey), transfer_(transfer), noise_(noise), ward_(ward) {
+LightSample::LightSample(const SurveyedStack& surveyed, const WardFitOptions& ward, int wanted)
+    : survey_(surveyed.survey), transfer_(surveyed.transfer), noise_(surveyed.noise), ward_(ward) {
+    const auto& [stack, survey, transfer, noise, mm_per_pixel] = surveyed;
     width_mm_ = std::max(stack.width(), stack.height()) * mm_per_pixel;
     chosen_ = survey.spread(wanted);
     for (const int k : chosen_) {
@@ -118,14 +164,6 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
     WardFitOptions options = ward_;
     options.reflectance_model = reflectance_model;
     std::vector<WardEstimate> estimates(static_cast<std::size_t>(size()));
-    struct Fitters {
-        explicit Fitters(const WardFitOptions& options) : batches(options), ceres(options) {}
-        WardBatchFitter batches;
-        WardFitter ceres;
-        WardBatch batch;
-        PixelSamples samples;
-    };
-    oneapi::tbb::enumerable_thread_specific<Fitters> all([&] { return Fitters(options); });
     const auto gather_white = [&](int k, PixelSamples& samples) {
         gather(k, photos, lighting, samples);
         if (!specular_colours.empty())
@@ -136,32 +174,14 @@ std::vector<WardEstimate> LightSample::fit(const std::vector<int>& photos, const
         if (!stretches.empty()) prior.stretch = glm::dvec2(stretches[static_cast<std::size_t>(k)]);
         return prior;
     };
+    oneapi::tbb::enumerable_thread_specific<SampleFitter> all(
+        [&] { return SampleFitter(options, static_cast<int>(photos.size()), survey_.channels); });
     parallel_for(0, size(), 4 * kWardLanes, [&](int begin, int end) {
-        Fitters& f = all.local();
-        f.batches.start(end - begin);
-        for (int first = begin; first < end; first += kWardLanes) {
-            f.batch.resize(static_cast<int>(photos.size()), survey_.channels, options.prior);
-            for (int k = first; k < std::min(first + kWardLanes, end); ++k) {
-                gather_white(k, f.samples);
-                f.batch.set(k - first, k - begin, f.samples);
-                f.batch.set_prior(k - first, prior_of(k));
-            }
-            f.batches.fit(f.batch);
-        }
-        f.batches.finish();
-        for (int k = begin; k < end; ++k) {
-            const WardSolution& solution = f.batches.solutions()[static_cast<std::size_t>(k - begin)];
+        all.local().fit(begin, end, gather_white, prior_of,
+                        std::span(estimates).subspan(static_cast<std::size_t>(begin)));
+        for (int k = begin; k < end && !specular_colours.empty(); ++k) {
             WardEstimate& estimate = estimates[static_cast<std::size_t>(k)];
-            estimate = solution.estimate(survey_.channels);
-            estimate.stretch = prior_of(k).stretch;
-            if (solution.doubtful) {
-                gather_white(k, f.samples);
-                const WardEstimate other = f.ceres.fit(f.samples, prior_of(k));
-                if (other.valid && !(estimate.valid && estimate.rms_residual <= other.rms_residual))
-                    estimate = other;
-            }
-            if (!specular_colours.empty())
-                estimate = coloured(estimate, specular_colours[static_cast<std::size_t>(k)]);
+            estimate = coloured(estimate, specular_colours[static_cast<std::size_t>(k)]);
         }
     });
     return estimates;

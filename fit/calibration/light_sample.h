@@ -19,11 +19,19 @@ float bright_stored(const Survey& survey);
 Beam beam_of(const std::array<double, 5>& terms, double width_mm);
 std::array<double, 5> scaled_beam(const Beam& beam, double width_mm);
 
+// A stack, the survey of it, and how the survey's samples become linear light.
+struct SurveyedStack {
+    const Stack& stack;
+    const Survey& survey;
+    const Transfer& transfer;
+    const NoiseModel& noise;
+    double mm_per_pixel = 1;  // [mm] of the painting
+};
+
 class LightSample {
 public:
-    // About `wanted` pixels of the survey, which is of the stack. Keeps references to survey and noise.
-    LightSample(const Stack& stack, const Survey& survey, const Transfer& transfer, const NoiseModel& noise,
-                double mm_per_pixel, const WardFitOptions& ward, int wanted);
+    // About `wanted` pixels of the survey. Keeps references to survey and noise.
+    LightSample(const SurveyedStack& surveyed, const WardFitOptions& ward, int wanted);
 
     // The same pixels, of which lobes are taken to be as wide as this before any photograph.
     LightSample with_ln_alpha(double ln_alpha) const;

@@ -36,8 +36,11 @@ struct Lit {
     double log_ratio = 0;  // of both, above noise
 };
 
-std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t photo, const Transfer& transfer,
-                        const Light& light, double white_level) {
+// Of one photograph.
+std::vector<Lit> lit_by(const Surface& s, const LitSurvey& samples, std::size_t photo) {
+    const Survey& survey = samples.survey;
+    const Light& light = samples.lighting.lights[photo];
+    const double white_level = samples.lighting.white_level;
     std::vector<Lit> lit;
     const auto channels = static_cast<std::size_t>(survey.channels), green = channels / 2;
     const double dark = kDarkAsNoise * white_level;
@@ -52,7 +55,7 @@ std::vector<Lit> lit_by(const Surface& s, const Survey& survey, std::size_t phot
             white_level * static_cast<double>(s.diffuse(at.x, at.y).g * cosine * in.irradiance.g);
         if (predicted < 3 * dark) continue;
         const double around = predicted * static_cast<double>(s.photography.rig.ambient / cosine);
-        const double measured = std::max(static_cast<double>(transfer.decode(stored)) - around, 0.0);
+        const double measured = std::max(static_cast<double>(samples.transfer.decode(stored)) - around, 0.0);
         lit.push_back({at.x, at.y, in.direction, measured, predicted,
                        std::clamp(std::log((measured + dark) / (predicted + dark)), kLeastLog, kMostLog)});
     }
@@ -142,7 +145,7 @@ void turn_all(const LightTurn& turn, Image<Vec3>& normal) {
 void integrate(Surface& s, const Progress& progress) {
     HeightOptions options;
     options.tolerance = std::max(options.tolerance, kTolerance);
-    integrate_normals(s.normal, s.confidence, s.mm_per_pixel, s.height_mm, options,
+    integrate_normals({s.normal, s.confidence, s.mm_per_pixel}, s.height_mm, options,
                       Progress([&](std::string_view, double done) {
                           return !progress || progress("axes of the lights", done);
                       }));
@@ -153,14 +156,13 @@ void integrate(Surface& s, const Progress& progress) {
 
 bool ShadowCheck::certain() const { return certainty > kLeastShadowCertainty && contrast < kLeastContrast; }
 
-ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey& survey,
-                          const Transfer& transfer, const std::vector<Light>& lights, double white_level,
+ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const LitSurvey& samples,
                           const Progress& progress) {
-    TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
+    const std::vector<Light>& lights = samples.lighting.lights;
+    TP_REQUIRE(samples.survey.photos.size() == lights.size(), "one light a photograph");
     const LightTurn one = signs.remedy(), other = one.opposite();
     std::vector<std::vector<Lit>> lit;
-    for (std::size_t i = 0; i < lights.size(); ++i)
-        lit.push_back(lit_by(surface, survey, i, transfer, lights[i], white_level));
+    for (std::size_t i = 0; i < lights.size(); ++i) lit.push_back(lit_by(surface, samples, i));
     if (signs.wrong()) {  // in place: maps of large pictures take much memory
         turn_all(one, surface.normal);
         integrate(surface, progress);
@@ -196,14 +198,15 @@ ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey
                      : ShadowCheck{other, mean / error, with_other};
 }
 
-double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
-                     const std::vector<Light>& lights, double white_level, double light_radius_deg) {
-    TP_REQUIRE(survey.photos.size() == lights.size(), "one light a photograph");
+double shadow_misfit(const Surface& surface, const LitSurvey& samples, double light_radius_deg) {
+    const std::size_t photos = samples.lighting.lights.size();
+    const double white_level = samples.lighting.white_level;
+    TP_REQUIRE(samples.survey.photos.size() == photos, "one light a photograph");
     const CastShadows shadows(surface.height_mm, surface.mm_per_pixel, light_radius_deg);
-    std::vector<double> squares(lights.size()), samples(lights.size());
-    parallel_for(0, static_cast<int>(lights.size()), 1, [&](int begin, int end) {
+    std::vector<double> squares(photos), counts(photos);
+    parallel_for(0, static_cast<int>(photos), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            for (const Lit& sample : lit_by(surface, survey, i, transfer, lights[i], white_level)) {
+            for (const Lit& sample : lit_by(surface, samples, i)) {
                 // Gloss is brighter than any light that is seen whole.
                 const double shown = std::min(sample.measured, sample.predicted);
                 const auto visible =
@@ -211,10 +214,10 @@ double shadow_misfit(const Surface& surface, const Survey& survey, const Transfe
                 const double off =
                     (shown - visible * sample.predicted) / (sample.predicted + kDarkAsNoise * white_level);
                 squares[i] += off * off;
-                ++samples[i];
+                ++counts[i];
             }
     });
-    const double n = std::accumulate(samples.begin(), samples.end(), 0.0);
+    const double n = std::accumulate(counts.begin(), counts.end(), 0.0);
     return n > 0 ? std::accumulate(squares.begin(), squares.end(), 0.0) / n : 0;
 }
 

@@ -10,6 +10,7 @@
 #include "capture/stack/stack_calibration.h"
 #include "capture/stack/survey.h"
 #include "fit/light_checks/axis_check_slopes.h"
+#include "fit/pixel/lighting.h"
 #include "surface/maps/surface.h"
 
 namespace tangi {
@@ -24,17 +25,22 @@ struct ShadowCheck {
     bool certain() const;
 };
 
-// Of a surface with normals, ρd and, unless signs.wrong(), height as fitted to these lights without
-// shadows; `survey` is of the stack, one light a photograph. `signs` says which two are compared: its remedy,
-// for which the height is made anew, and that with half a turn more. All else of the surface is as before.
-ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const Survey& survey,
-                          const Transfer& transfer, const std::vector<Light>& lights, double white_level,
+// The samples of a survey, which become linear light, and the lights that they were taken under.
+struct LitSurvey {
+    const Survey& survey;
+    const Transfer& transfer;
+    const Lighting& lighting;  // one light a photograph of the survey
+};
+
+// Of a surface with normals, ρd and, unless signs.wrong(), height as fitted to these lights without shadows;
+// the survey is of the stack. `signs` says which two are compared: its remedy, for which the height is made
+// anew, and that with half a turn more. All else of the surface is as before.
+ShadowCheck check_shadows(Surface& surface, const SignCheck& signs, const LitSurvey& samples,
                           const Progress& progress = {});
 
 // [1] Mean square of the part of its light that photographs show at samples of matt paint, less the part
 // that gets past the surface's height, from lights of this angular radius.
-double shadow_misfit(const Surface& surface, const Survey& survey, const Transfer& transfer,
-                     const std::vector<Light>& lights, double white_level, double light_radius_deg);
+double shadow_misfit(const Surface& surface, const LitSurvey& samples, double light_radius_deg);
 
 // What is to be done about it, with the numbers, for people; empty where nothing is. `taken`: what was done
 // to the lights already, as the user asked.

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include "fit/calibration/light_sample.h"
 #include "surface/base/median.h"
 
 namespace tangi {
@@ -39,10 +38,10 @@ Image<float> LightMisfit::map(std::size_t photo, int longest) const {
     return picture;
 }
 
-LightMisfit light_misfit(const Stack& stack, const Survey& survey, const Transfer& transfer,
-                         const NoiseModel& noise, const Lighting& lighting, double mm_per_pixel,
-                         const WardFitOptions& ward, const ReflectanceModel& reflectance_model, int wanted) {
-    const LightSample sample(stack, survey, transfer, noise, mm_per_pixel, ward, wanted);
+LightMisfit light_misfit(const SurveyedStack& surveyed, const Lighting& lighting, const WardFitOptions& ward,
+                         const ReflectanceModel& reflectance_model, int wanted) {
+    const Stack& stack = surveyed.stack;
+    const LightSample sample(surveyed, ward, wanted);
     std::vector<int> photos(stack.photos.size());
     std::iota(photos.begin(), photos.end(), 0);
     const std::vector<WardEstimate> estimates = sample.fit(photos, lighting, reflectance_model);

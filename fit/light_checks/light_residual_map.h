@@ -5,9 +5,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "capture/stack/survey.h"
-#include "fit/pixel/lighting.h"
-#include "fit/pixel/ward_fit.h"
+#include "fit/calibration/light_sample.h"
 #include "surface/image/image.h"
 
 namespace tangi {
@@ -32,9 +30,7 @@ struct LightMisfit {
 
 // Fits about `wanted` pixels of the survey to all photographs and predicts these. The lighting is in the
 // order of stack.photos.
-LightMisfit light_misfit(const Stack& stack, const Survey& survey, const Transfer& transfer,
-                         const NoiseModel& noise, const Lighting& lighting, double mm_per_pixel,
-                         const WardFitOptions& ward, const ReflectanceModel& reflectance_model = {},
-                         int wanted = 1500);
+LightMisfit light_misfit(const SurveyedStack& surveyed, const Lighting& lighting, const WardFitOptions& ward,
+                         const ReflectanceModel& reflectance_model = {}, int wanted = 1500);
 
 }  // namespace tangi

@@ -107,7 +107,7 @@ public:
 
 private:
     MattSample sample_of(const std::vector<Light>& lights) const {
-        return matt_sample(lights, survey_, transfer_, width_, height_, samples_, kOrderRounds);
+        return matt_sample(lights, {survey_, transfer_, width_, height_}, samples_, kOrderRounds);
     }
     std::vector<double> deviations(const ListOrdering& order) const {
         return sample_of(in_order(lights_, order)).mean_deviations(most_);

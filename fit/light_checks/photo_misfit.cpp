@@ -91,19 +91,18 @@ Image<float> mean_of_box(const Image<float>& picture, int side) {
 
 class Comparison {
 public:
-    Comparison(const Stack& stack, const NoiseModel& noise, const Surface& surface, const Lighting& lighting,
-               double model_error)
-        : stack_(stack),
-          noise_(noise),
+    Comparison(const CalibratedStack& input, const Surface& surface, double model_error)
+        : stack_(input.stack),
+          noise_(input.noise),
           surface_(surface),
-          lighting_(lighting),
+          lighting_(input.lighting),
           model_error_(model_error),
-          relighter_(surface, {.cast_shadows = true}, static_cast<int>(lighting.lights.size())),
-          normals_(lighting.lights.size()),
-          unlit_(lighting.lights.size()),
-          brightness_(lighting.lights.size()),
-          matt_(lighting.lights.size()),
-          glossy_(lighting.lights.size()) {}
+          relighter_(surface, {.cast_shadows = true}, static_cast<int>(lighting_.lights.size())),
+          normals_(lighting_.lights.size()),
+          unlit_(lighting_.lights.size()),
+          brightness_(lighting_.lights.size()),
+          matt_(lighting_.lights.size()),
+          glossy_(lighting_.lights.size()) {}
 
     void add(const Band& band) {
         parallel_for(0, band.photos(), 1, [&](int begin, int end) {
@@ -267,21 +266,22 @@ void Comparison::add_photo(const Band& band, int photo) {
 
 }  // namespace
 
-PhotoMisfits photo_misfits(const Stack& stack, const Transfer& transfer, const NoiseModel& noise,
-                           const Surface& surface, const Lighting& lighting, double model_error,
+PhotoMisfits photo_misfits(const CalibratedStack& input, const Surface& surface, double model_error,
                            const Progress& progress) {
+    const Stack& stack = input.stack;
+    const std::vector<Light>& lights = input.lighting.lights;
     PhotoMisfits misfits;
     const int height = stack.height(), rows = std::min(kRows + kMisfitBox - 1, height);
     if (rows < kMisfitBox || stack.width() < kMisfitBox) return misfits;
     const double row_pixels = static_cast<double>(stack.width()) * rows;
     const int stripes = std::min(std::max(static_cast<int>(kPixels / row_pixels), kFewestStripes),
                                  std::max(height / rows, 1));
-    Comparison comparison(stack, noise, surface, lighting, model_error);
+    Comparison comparison(input, surface, model_error);
     StackReader reader(stack);
     for (int k = 0; k < stripes; ++k) {
         // In the middles of parts that are as high.
         const int y0 = std::max(static_cast<int>(height * (k + 0.5) / stripes - rows / 2.0), 0);
-        comparison.add(reader.read(y0, y0 + rows, transfer));
+        comparison.add(reader.read(y0, y0 + rows, input.transfer));
         report(progress, "causes of misfit", (k + 1) / static_cast<double>(stripes));
     }
     const std::vector<PhotoTerms> terms = solve_photos(comparison.normals());
@@ -289,9 +289,9 @@ PhotoMisfits photo_misfits(const Stack& stack, const Transfer& transfer, const N
     misfits.judged = static_cast<int>(
         std::count_if(terms.begin(), terms.end(), [](const PhotoTerms& photo) { return photo.solved; }));
     std::vector<double> strengths;
-    for (std::size_t i = 0; i < lighting.lights.size(); ++i) {
+    for (std::size_t i = 0; i < lights.size(); ++i) {
         PhotoMisfit& misfit = misfits.photos[i];
-        misfit.strength = static_cast<double>(lighting.lights[i].gain.g) * (1 + misfit.gain.value);
+        misfit.strength = static_cast<double>(lights[i].gain.g) * (1 + misfit.gain.value);
         strengths.push_back(misfit.strength);
     }
     misfits.matt = comparison.matt();

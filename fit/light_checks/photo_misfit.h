@@ -57,10 +57,9 @@ struct PhotoMisfits {
     MisfitTerm veil{};
 };
 
-// The surface is as fitted, with a height, before colours are corrected; `lighting` of stack.photos.
-// `model_error` as WardFitOptions. Reads the photographs once more. Deterministic for any number of threads.
-PhotoMisfits photo_misfits(const Stack& stack, const Transfer& transfer, const NoiseModel& noise,
-                           const Surface& surface, const Lighting& lighting, double model_error,
+// The surface is as fitted, with a height, before colours are corrected. `model_error` as WardFitOptions.
+// Reads the photographs once more. Deterministic for any number of threads.
+PhotoMisfits photo_misfits(const CalibratedStack& input, const Surface& surface, double model_error,
                            const Progress& progress = {});
 
 // What is to be done about it, for people; empty where nothing stands out. `names` of the photographs.

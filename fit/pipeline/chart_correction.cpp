@@ -70,6 +70,53 @@ Region around_chart(const Stack& stack, const CaptureColour::Chart& chart) {
             static_cast<int>(std::ceil(high.x)) + 1, static_cast<int>(std::ceil(high.y)) + 1};
 }
 
+// The chart in all photographs of a stack, and the lights that they were taken under.
+struct ChartView {
+    const Stack& stack;  // with a chart
+    const Lighting& lighting;
+    double mm_per_pixel;
+    Region crop;  // of the band, in the whole picture
+    Band band;
+    float clipped;  // [1] linear
+
+    // Of a place in the whole picture, in the surface's frame.
+    Vec3 point_mm(const glm::dvec2& place) const {
+        const glm::dvec2 centre((stack.crop.x0 + stack.crop.x1 - 1) / 2.0,
+                                (stack.crop.y0 + stack.crop.y1 - 1) / 2.0);
+        const glm::dvec2 mm = (place - centre) * glm::dvec2(mm_per_pixel, -mm_per_pixel);
+        return {static_cast<float>(mm.x), static_cast<float>(mm.y), 0};
+    }
+};
+
+// [1] Linear value from which on the stack's samples are clipped.
+float clipped_value(const Stack& stack, const Transfer& transfer) {
+    if (stack.development) return stack.development->clipped;
+    return stack.bits == 32 ? std::numeric_limits<float>::infinity() : transfer.decode(kClipped);
+}
+
+// [1] By one patch, whose luminance is to be `right`, in one photograph; NaN where it is clipped or its light
+// is too low.
+double white_level_of(const ChartView& view, int patch, int photo, double right) {
+    const Light& source = view.lighting.lights[static_cast<std::size_t>(photo)];
+    const Rig& rig = view.lighting.rig;
+    glm::dvec3 sum(0);
+    double light = 0;
+    for (int k = 0; k < kGrid * kGrid; ++k) {
+        const glm::dvec2 place = place_in_picture(view.stack, *view.stack.colour->chart, patch, k);
+        const int x = static_cast<int>(std::lround(place.x)) - view.crop.x0;
+        const int y = static_cast<int>(std::lround(place.y)) - view.crop.y0;
+        for (int c = 0; c < 3; ++c) {
+            const float value = view.band.row(photo, c, y)[x];
+            // Of another white balance, too.
+            sum[c] +=
+                value < view.clipped ? static_cast<double>(value * source.gain.g / source.gain[c]) : NAN;
+        }
+        const Incidence in = incidence(source, view.point_mm(place), rig);
+        light += in.direction.z > kLowest ? in.irradiance.g * (in.direction.z + rig.ambient) : NAN;
+    }
+    return luminance(Rgb(glm::inverse(view.stack.colour->to_camera) * sum)) / (light * right);
+}
+
 }  // namespace
 
 Lighting as_camera_sees(Lighting lighting, const Stack& stack) {
@@ -95,40 +142,20 @@ std::optional<double> white_level_by_chart(const Stack& stack, const Transfer& t
     if (part.crop.width() > kLargestSide || part.crop.height() > kLargestSide) return {};
     if (!resampled && (part.crop.x0 < 0 || part.crop.y0 < 0)) return {};
     StackReader reader(part);
-    const Band band = reader.read(0, part.height(), transfer);
-    const float clipped = stack.development  ? stack.development->clipped
-                          : stack.bits == 32 ? std::numeric_limits<float>::infinity()
-                                             : transfer.decode(kClipped);
-    const glm::dvec2 centre((stack.crop.x0 + stack.crop.x1 - 1) / 2.0,
-                            (stack.crop.y0 + stack.crop.y1 - 1) / 2.0);
-    const glm::dmat3 from_camera = glm::inverse(stack.colour->to_camera);
+    const ChartView view{stack,
+                         lighting,
+                         mm_per_pixel,
+                         part.crop,
+                         reader.read(0, part.height(), transfer),
+                         clipped_value(stack, transfer)};
     std::vector<double> levels;
     int patches = 0;
     for (int n = 0; n < kChartPatches; ++n) {
         const double right = luminance(chart.reference[static_cast<std::size_t>(n)]);
         if (right < kDarkest) continue;
         const std::size_t before = levels.size();
-        for (int i = 0; i < band.photos(); ++i) {
-            glm::dvec3 sum(0);
-            const Rgb& gain =
-                lighting.lights[static_cast<std::size_t>(i)].gain;  // of another white balance, too
-            double light = 0;
-            for (int k = 0; k < kGrid * kGrid; ++k) {
-                const glm::dvec2 place = place_in_picture(stack, chart, n, k);
-                const int x = static_cast<int>(std::lround(place.x)) - part.crop.x0;
-                const int y = static_cast<int>(std::lround(place.y)) - part.crop.y0;
-                for (int c = 0; c < 3; ++c) {
-                    const float value = band.row(i, c, y)[x];
-                    sum[c] += value < clipped ? static_cast<double>(value * gain.g / gain[c]) : NAN;
-                }
-                const glm::dvec2 mm = (place - centre) * glm::dvec2(mm_per_pixel, -mm_per_pixel);
-                const Incidence in =
-                    incidence(lighting.lights[static_cast<std::size_t>(i)],
-                              Vec3(static_cast<float>(mm.x), static_cast<float>(mm.y), 0), lighting.rig);
-                light += in.direction.z > kLowest ? in.irradiance.g * (in.direction.z + lighting.rig.ambient)
-                                                  : NAN;
-            }
-            const double level = luminance(Rgb(from_camera * sum)) / (light * right);
+        for (int i = 0; i < view.band.photos(); ++i) {
+            const double level = white_level_of(view, n, i, right);
             if (level > 0) levels.push_back(level);  // NaN is not
         }
         patches += levels.size() > before;

@@ -36,132 +36,181 @@ SlopeEdges edges_of(const Surface& surface, const Image<Vec3>& normal, const Hei
     return edges;
 }
 
-// `steeper`: empty where slopes were integrated as they are. Errors stay those of the height that the slopes
-// lead to: this one is nearer to the truth (fit_tests --gtest_filter='HeightCoverage.*').
-void carve(Surface& surface, const Lighting& lighting, const HeightOptions& options,
-           const Image<Vec3>& steeper, const LightVisibility& lights, const std::function<double()>& misfit,
-           FinalHeight& result, const Progress& progress) {
-    const SlopeEdges edges =
-        edges_of(surface, steeper.empty() ? surface.normal : steeper, options, result.choice, result.plane);
-    HeightChoice& choice = result.choice;
+bool clearly_better(double misfit, double other) { return misfit < (1 - kShadowsClearlyBetter) * other; }
+
+// The height by variants of slopes and weights; surface.height_mm is the last that was integrated, less its
+// plane.
+class HeightSearch {
+public:
+    HeightSearch(Surface& surface, const LitSurvey& samples, const HeightOptions& options,
+                 Image<HalfError>* error_mm, const Progress& progress)
+        : surface_(surface), samples_(samples), options_(options), error_mm_(error_mm), progress_(progress) {}
+
+    // Which variant shadows agree with best.
+    void find_variant();
+    // The height of that variant, with its errors.
+    void integrate_variant();
+    // Whether the height that hid lights in the second pass is nearer to the shadows.
+    void compare_with(Image<float> before_refining, bool shadows_tell);
+    // Errors stay those of the height that the slopes lead to: this one is nearer to the truth (fit_tests
+    // --gtest_filter='HeightCoverage.*').
+    void carve(const LightVisibility& lights);
+    const FinalHeight& found() const { return result_; }
+
+private:
+    const Image<Vec3>& normals() const { return steeper_.empty() ? surface_.normal : steeper_; }
+    void take_mixing(double mixing);
+    double find_mixing(double least);
+    HeightOptions with_sweeps(int robust_sweeps) const;
+    HeightOptions trial(int robust_sweeps) const;
+    // Slopes that mix less have nearly the same cliffs, but not the same differences beside them.
+    int sweeps_of_trial() const { return std::min(sweeps_, kSweepsOfTrial); }
+    void integrate(const HeightOptions& height, bool resumes, Image<HalfError>* errors,
+                   const Progress& shown);
+    double misfit() const;
+    double misfit_with(bool cliffs, int robust_sweeps);
+
+    Surface& surface_;
+    const LitSurvey& samples_;
+    const HeightOptions& options_;
+    Image<HalfError>* error_mm_;
+    const Progress& progress_;
+    FinalHeight result_;
+    HeightChoice& choice_ = result_.choice;
+    Image<Vec3> steeper_;  // empty: slopes are integrated as they are
+    int sweeps_ = 0;       // HeightOptions::robust_sweeps of the variant
+    // Shadows tell one mixing for all pixels, in steps of two: at a pixel it may as well be half of that.
+    Image<float> less_steep_;
+};
+
+void HeightSearch::take_mixing(double mixing) {
+    choice_.mixing = mixing;
+    steeper_ = mixing > 0 ? steepened_normals(surface_.normal, surface_.confidence, mixing) : Image<Vec3>();
+}
+
+HeightOptions HeightSearch::with_sweeps(int robust_sweeps) const {
+    HeightOptions height = options_;
+    height.robust_sweeps = robust_sweeps;
+    return height;
+}
+
+HeightOptions HeightSearch::trial(int robust_sweeps) const {
+    HeightOptions height = with_sweeps(robust_sweeps);
+    height.max_cycles = std::min(kTrialCycles, options_.max_cycles);
+    height.tolerance = std::max(kTrialTolerance, options_.tolerance);
+    return height;
+}
+
+// `resumes`: from what was integrated last. Past cliffs long waves come right slowly.
+void HeightSearch::integrate(const HeightOptions& height, bool resumes, Image<HalfError>* errors,
+                             const Progress& shown) {
+    Plane& plane = result_.plane;
+    if (resumes) subtract({-plane.a, -plane.b, -plane.c}, surface_.height_mm);
+    result_.report =
+        integrate_normals({normals(), surface_.confidence, surface_.mm_per_pixel}, surface_.height_mm, height,
+                          shown, {.error_mm = errors, .steepened = !steeper_.empty(), .resumes = resumes});
+    plane = best_plane(surface_.height_mm, surface_.confidence);
+    subtract(plane, surface_.height_mm);
+}
+
+double HeightSearch::misfit() const {
+    return shadow_misfit(surface_, samples_, light_radius_deg(surface_, {}));
+}
+
+double HeightSearch::misfit_with(bool cliffs, int robust_sweeps) {
+    constexpr double trials = 2 + kMixings.size();
+    const auto tried = static_cast<double>(choice_.trials.size());
+    integrate(trial(robust_sweeps), cliffs, nullptr, Progress([&](std::string_view, double done) {
+                  return !progress_ || progress_("cliffs", (tried + done) / trials);
+              }));
+    choice_.trials.push_back({cliffs, choice_.mixing, false, misfit()});
+    return choice_.trials.back().shadow_misfit;
+}
+
+// `least`: the misfit of slopes as they are.
+double HeightSearch::find_mixing(double least) {
+    double chosen = 0;
+    for (const double mixing : kMixings) {
+        take_mixing(mixing);
+        const double now = misfit_with(sweeps_ > 0, sweeps_of_trial());
+        if (!clearly_better(now, least)) break;
+        least = now;
+        chosen = mixing;
+    }
+    return chosen;
+}
+
+void HeightSearch::find_variant() {
+    double least = misfit_with(false, 0);
+    // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
+    // everywhere.
+    if (options_.robust_sweeps > 0)
+        if (const double now = misfit_with(true, options_.robust_sweeps); clearly_better(now, least)) {
+            least = now;
+            sweeps_ = options_.robust_sweeps;
+        }
+    const double mixing = find_mixing(least);
+    if (mixing > 0 && error_mm_) {
+        take_mixing(mixing / 2);
+        integrate(trial(sweeps_of_trial()), sweeps_ > 0, nullptr, {});
+        less_steep_ = surface_.height_mm;
+    }
+    take_mixing(mixing);
+    report(progress_, "cliffs", 1);  // the steepest are only tried where less steep ones are better
+}
+
+void HeightSearch::integrate_variant() {
+    choice_.cliffs = sweeps_ > 0;
+    integrate(with_sweeps(sweeps_), sweeps_ > 0, error_mm_, progress_);
+    if (!less_steep_.empty()) add_disagreement(surface_.height_mm, less_steep_, *error_mm_);
+}
+
+void HeightSearch::compare_with(Image<float> before_refining, bool shadows_tell) {
+    const double now = misfit();
+    std::swap(surface_.height_mm, before_refining);
     const double then = misfit();
-    Image<float> before = surface.height_mm;
-    choice.carved = carve_shadows(lights, lighting, edges, surface, progress);
-    if (choice.carved.contradicted == 0) return;
-    const Plane plane = best_plane(surface.height_mm, surface.confidence);
-    subtract(plane, surface.height_mm);
-    choice.carving_kept = misfit() < (1 - kShadowsClearlyBetter) * then;
-    if (!choice.carving_kept) {
-        std::swap(surface.height_mm, before);
-        choice.carved.left = choice.carved.contradicted;
+    if (!shadows_tell) choice_.trials.push_back({choice_.cliffs, choice_.mixing, false, now});
+    choice_.trials.push_back({false, 0, true, then});
+    choice_.before_refining = clearly_better(then, now);
+    if (choice_.before_refining) {
+        choice_.cliffs = false, choice_.mixing = 0, steeper_ = {};
+        // The errors are of the height that the slopes lead to; this one differs from it by more.
+        if (error_mm_) add_disagreement(surface_.height_mm, before_refining, *error_mm_);
+    } else
+        std::swap(surface_.height_mm, before_refining);
+}
+
+void HeightSearch::carve(const LightVisibility& lights) {
+    const SlopeEdges edges = edges_of(surface_, normals(), options_, choice_, result_.plane);
+    const double then = misfit();
+    Image<float> before = surface_.height_mm;
+    choice_.carved = carve_shadows(lights, samples_.lighting, edges, surface_, progress_);
+    if (choice_.carved.contradicted == 0) return;
+    const Plane plane = best_plane(surface_.height_mm, surface_.confidence);
+    subtract(plane, surface_.height_mm);
+    choice_.carving_kept = clearly_better(misfit(), then);
+    if (!choice_.carving_kept) {
+        std::swap(surface_.height_mm, before);
+        choice_.carved.left = choice_.carved.contradicted;
         return;
     }
-    result.plane = {result.plane.a + plane.a, result.plane.b + plane.b, result.plane.c + plane.c};
+    Plane& all = result_.plane;
+    all = {all.a + plane.a, all.b + plane.b, all.c + plane.c};
 }
 
 }  // namespace
 
-FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
-                         const Lighting& lighting, const HeightOptions& options,
+FinalHeight final_height(Surface& surface, const LitSurvey& samples, const HeightOptions& options,
                          const HeightEvidence& evidence, Image<HalfError>* error_mm,
                          const Progress& progress) {
-    FinalHeight result;
-    HeightChoice& choice = result.choice;
-    Image<float> before;  // as `refined`
+    Image<float> before;
     if (evidence.refined) before = std::exchange(surface.height_mm, {});
-    Image<Vec3> steeper;  // empty: slopes as they are
-    const auto take = [&](double mixing) {
-        choice.mixing = mixing;
-        steeper = mixing > 0 ? steepened_normals(surface.normal, surface.confidence, mixing) : Image<Vec3>();
-    };
-    const auto with_sweeps = [&](int robust_sweeps) {
-        HeightOptions height = options;
-        height.robust_sweeps = robust_sweeps;
-        return height;
-    };
-    const auto trial = [&](int robust_sweeps) {
-        HeightOptions height = with_sweeps(robust_sweeps);
-        height.max_cycles = std::min(kTrialCycles, options.max_cycles);
-        height.tolerance = std::max(kTrialTolerance, options.tolerance);
-        return height;
-    };
-    // `resumes`: from what was integrated last. Past cliffs long waves come right slowly.
-    const auto integrate = [&](const HeightOptions& height, bool resumes, Image<HalfError>* errors,
-                               const Progress& shown) {
-        if (resumes) subtract({-result.plane.a, -result.plane.b, -result.plane.c}, surface.height_mm);
-        result.report =
-            integrate_normals(steeper.empty() ? surface.normal : steeper, surface.confidence,
-                              surface.mm_per_pixel, surface.height_mm, height, shown,
-                              {.error_mm = errors, .steepened = !steeper.empty(), .resumes = resumes});
-        result.plane = best_plane(surface.height_mm, surface.confidence);
-        subtract(result.plane, surface.height_mm);
-    };
-    const auto misfit = [&] {
-        return shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level,
-                             light_radius_deg(surface, {}));
-    };
-    constexpr double trials = 2 + kMixings.size();
-    double tried = 0;
-    const auto misfit_with = [&](bool cliffs, int robust_sweeps) {
-        integrate(trial(robust_sweeps), cliffs, nullptr, Progress([&](std::string_view, double done) {
-                      return !progress || progress("cliffs", (tried + done) / trials);
-                  }));
-        ++tried;
-        choice.trials.push_back({cliffs, choice.mixing, false, misfit()});
-        return choice.trials.back().shadow_misfit;
-    };
-    int sweeps = 0;
-    // Slopes that mix less have nearly the same cliffs, but not the same differences beside them.
-    const auto sweeps_of_trial = [&] { return std::min(sweeps, kSweepsOfTrial); };
-    // Shadows tell one mixing for all pixels, in steps of two: at a pixel it may as well be half of that.
-    Image<float> less_steep;
-    if (evidence.shadows_tell) {
-        double least = misfit_with(false, 0);
-        // Cliffs are where photographs show their shadows. Slopes that err by more than they say disagree
-        // everywhere.
-        if (options.robust_sweeps > 0)
-            if (const double now = misfit_with(true, options.robust_sweeps);
-                now < (1 - kShadowsClearlyBetter) * least) {
-                least = now;
-                sweeps = options.robust_sweeps;
-            }
-        double chosen = 0;
-        for (const double mixing : kMixings) {
-            take(mixing);
-            const double now = misfit_with(sweeps > 0, sweeps_of_trial());
-            if (!(now < (1 - kShadowsClearlyBetter) * least)) break;
-            least = now;
-            chosen = mixing;
-        }
-        if (chosen > 0 && error_mm) {
-            take(chosen / 2);
-            integrate(trial(sweeps_of_trial()), sweeps > 0, nullptr, {});
-            less_steep = surface.height_mm;
-        }
-        take(chosen);
-        report(progress, "cliffs", 1);  // the steepest are only tried where less steep ones are better
-    }
-    choice.cliffs = sweeps > 0;
-    integrate(with_sweeps(sweeps), sweeps > 0, error_mm, progress);
-    if (!less_steep.empty()) add_disagreement(surface.height_mm, less_steep, *error_mm);
-    if (!before.empty()) {
-        const double now = misfit();
-        std::swap(surface.height_mm, before);
-        const double then = misfit();
-        if (!evidence.shadows_tell) choice.trials.push_back({choice.cliffs, choice.mixing, false, now});
-        choice.trials.push_back({false, 0, true, then});
-        choice.before_refining = then < (1 - kShadowsClearlyBetter) * now;
-        if (choice.before_refining) {
-            choice.cliffs = false, choice.mixing = 0, steeper = {};
-            // The errors are of the height that the slopes lead to; this one differs from it by more.
-            if (error_mm) add_disagreement(surface.height_mm, before, *error_mm);
-        } else
-            std::swap(surface.height_mm, before);
-    }
-    before = {};
-    if (evidence.lights && !evidence.lights->empty())
-        carve(surface, lighting, options, steeper, *evidence.lights, misfit, result, progress);
-    return result;
+    HeightSearch search(surface, samples, options, error_mm, progress);
+    if (evidence.shadows_tell) search.find_variant();
+    search.integrate_variant();
+    if (!before.empty()) search.compare_with(std::move(before), evidence.shadows_tell);
+    if (evidence.lights && !evidence.lights->empty()) search.carve(*evidence.lights);
+    return search.found();
 }
 
 nlohmann::json to_json(const HeightChoice& choice) {

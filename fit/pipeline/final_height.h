@@ -4,10 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "capture/stack/survey.h"
 #include "fit/height/height.h"
+#include "fit/light_checks/axis_check_shadows.h"
 #include "fit/pixel/fit_errors.h"
-#include "fit/pixel/lighting.h"
 #include "fit/shadows/light_visibility.h"
 #include "fit/shadows/shadow_carving.h"
 #include "surface/base/progress.h"
@@ -49,13 +48,12 @@ struct HeightEvidence {
 };
 
 // Fills in surface.height_mm less its plane, and its standard errors (those of slopes). Where `shadows_tell`,
-// the height is that whose cast shadows agree best with the light that the survey's samples show
+// the height is that whose cast shadows agree best with the light that the samples show
 // (shadow_misfit()): with cliffs or without (options.robust_sweeps), and of slopes as they are or as steep as
 // what their pixels mix (subpixel_slopes.h); or, where `refined`, as it is. Where there are no shadows to
 // see, slopes are taken as they are. Last it is carved (shadow_carving.h), where that makes shadows agree
 // better.
-FinalHeight final_height(Surface& surface, const Survey& survey, const Transfer& transfer,
-                         const Lighting& lighting, const HeightOptions& options,
+FinalHeight final_height(Surface& surface, const LitSurvey& samples, const HeightOptions& options,
                          const HeightEvidence& evidence, Image<HalfError>* error_mm,
                          const Progress& progress);
 

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "capture/radiometry/colour_saturation.h"
 #include "capture/stack/profile_colours.h"
-#include "fit/calibration/capture_order_gain.h"
 #include "fit/exchange/float_scale.h"
 #include "fit/light_checks/light_outlier_vote.h"
 #include "fit/pipeline/final_height.h"
+#include "fit/pipeline/fit_lights.h"
 #include "fit/pipeline/fit_passes.h"
+#include "fit/pipeline/fit_warnings.h"
 #include "fit/pipeline/preprocess.h"
 #include "surface/base/error.h"
 #include "surface/image/memory_budget.h"
@@ -20,63 +19,6 @@ namespace tangi {
 namespace {
 
 constexpr int kForModels = 4;  // pixels that choose the reflectance model, by those that calibrate lights
-
-// Files of floats have no full scale: their noise is relative to the white level.
-// Floats in a unit of their own (float_scale.h) have noise in that unit, too.
-double unit_of_noise(double white_level) {
-    return white_level > kBrightFloats ? white_level : std::min(white_level, 1.0);
-}
-
-NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
-    if (const Development* d = stack.development.get(); d && d->bits != 32)
-        return NoiseModel(d->encoding, options.noise.value_or(d->bits == 8 ? 0.012 : 0.006), true,
-                          d->clipped);
-    if (stack.bits == 32)
-        return NoiseModel(
-            transfer, options.noise.value_or(0.006 * unit_of_noise(options.white_level.value_or(1))), false);
-    return NoiseModel(transfer, options.noise.value_or(stack.bits == 8 ? 0.012 : 0.006), true);
-}
-
-// Lights are told by what they hardly light, too. With the noise that is taken for the pixels' sake, shadows
-// of a weak light pass for its light: of 24 lights of strengths 0.3 to 2, low ones were off by up to 12 %,
-// with this by 2 %. The noise of a sensor cannot be measured where paintings are textured to the pixel.
-NoiseModel noise_for_lights(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
-    FitOptions quiet = options;
-    if (!options.noise && stack.bits == 16 && !stack.development) quiet.noise = 0.002;
-    return noise_model(stack, transfer, quiet);
-}
-
-Rig rig_of(const Stack& stack) {
-    Rig rig;
-    if (stack.camera_mm) {
-        rig.camera_distance_mm = stack.camera_mm->z;
-        rig.camera_axis_mm = glm::vec2(*stack.camera_mm);
-    }
-    return rig;
-}
-
-// [deg] Of the photographs' directions; empty where none is known.
-std::vector<double> direction_sigmas(const Stack& stack) {
-    std::vector<double> sigmas;
-    for (const StackPhoto& photo : stack.photos) sigmas.push_back(photo.direction_sigma_deg);
-    return std::all_of(sigmas.begin(), sigmas.end(), [](double sigma) { return sigma == 0; })
-               ? std::vector<double>{}
-               : sigmas;
-}
-
-// Empty where they are not.
-std::string says_too_dark(const Stack& stack, const Survey& surveyed, const Transfer& transfer,
-                          const NoiseModel& noise) {
-    if (stack.bits == 32 && !stack.development) return {};  // floats have no full scale
-    const double bright = transfer.decode(bright_stored(surveyed));
-    if (!(bright > 0 && bright < kDarkFloats)) return {};
-    return fmt::format(
-        "{}: the photographs are dark: 98 % of their values are below {:.2g} of full scale, in linear light, "
-        "as where values of a camera were not scaled to all bits of the file. Noise is taken for {:.2g} of "
-        "full scale, and colours for those of a painting as dark: give the linear value of a matt white as "
-        "--white-level, and the noise of stored values, where it is less, as --noise",
-        stack.folder.string(), bright, noise.stored());
-}
 
 // [deg] As FitReport::support_bulge_deg. Slopes that grow in proportion to the distance from the middle, by
 // least squares.
@@ -103,302 +45,277 @@ double bulge_deg(const Surface& surface) {
     return squares > 0 ? std::atan(outwards / squares * std::sqrt(farthest)) * 180 / M_PI : 0;
 }
 
-// Held-out photographs get the light that the others make likely.
-void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
-    photography.rig = calibration.lighting.rig;
-    photography.light_model = calibration.light_model;
-    photography.beams = calibration.beams;
-    const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
-        photography.photos.push_back({light, fitted, photo.homography});
-        if (light.direction != photo.light.direction)
-            photography.photos.back().listed_direction = photo.light.direction;
-    };
-    const auto in_colour = [&](Light light) {
-        const float strength = light.gain.g;
-        if (light.gain != Rgb(strength)) light.gain = strength * light_of_gain(light.gain / strength, stack);
-        return light;
-    };
-    for (std::size_t i = 0; i < stack.photos.size(); ++i)
-        add(in_colour(calibration.lighting.lights[i]), true, stack.photos[i]);
-    const Photography fitted = photography;
-    const std::vector<Light>& lights = calibration.lighting.lights;  // in the order of their paths
-    const ShotOrder order =
-        photography.light_model ? fit_shot_order(*photography.light_model, lights) : ShotOrder{};
-    for (const StackPhoto& photo : stack.held_out) {
-        Light light = photo.light;
-        light.direction = corrected_direction(calibration, light.direction);
-        if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
-        Light photographed = as_photographed(light, fitted);
-        if (photography.light_model) {
-            const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
-                                              [&](const StackPhoto& p) { return p.path < photo.path; });
-            photographed.gain =
-                static_cast<float>(predicted_gain(order, *photography.light_model, lights,
-                                                  photographed.direction, static_cast<int>(before))) *
-                (photographed.gain / photographed.gain.g);
-        }
-        add(photographed, false, photo);
+// The steps of fit_painting(), and what each leaves to those after it. The photographs are opened before, and
+// developed as they are read; the residual is a step of its own (residual_fit.h).
+class PaintingFit {
+public:
+    PaintingFit(Stack stack, const FitOptions& options, const Progress& progress)
+        : stack_(std::move(stack)), options_(options), progress_(progress) {}
+
+    void require_fittable();
+    void preprocess();  // with the transfer curve and the camera's motion
+    void linearise();
+    void start_surface();
+    void balance_colours();
+    void calibrate_lights();
+    void describe_lights();
+    void select_reflectance_model();
+    void fit_pixels();
+    void find_misfit();
+    void correct_colours();
+    void find_height();
+    void find_support();
+    FitResult finished();
+
+private:
+    CalibratedStack calibrated() const { return {stack_, transfer_, *noise_, lighting_}; }
+    SurveyedStack surveyed() const { return {stack_, survey_, transfer_, *noise_, surface_.mm_per_pixel}; }
+    LitSurvey lit_survey() const { return {survey_, transfer_, lighting_}; }
+    void warn(std::string warning) {
+        if (!warning.empty()) stack_.warnings.push_back(std::move(warning));
     }
-}
+    void take_unit();
+    void name_photographs();
+    void take_white_of_chart();
+    LobeFreedom choose_lobes(const LightSample& sample);
+    void look_at_signs(bool height_known);
 
-// Directions as listed, which is what may be wrong; strengths as found.
-LightOutliers light_outliers_of(const Stack& stack, const LightCalibration& calibration,
-                                const Survey& surveyed, const Transfer& transfer) {
-    std::vector<Light> lights = stack.lights();
-    for (std::size_t i = 0; i < lights.size(); ++i) lights[i].gain = calibration.lighting.lights[i].gain;
-    return light_outliers(surveyed, transfer, lights, stack.width(), stack.height());
-}
+    Stack stack_;
+    FitOptions options_;  // with the white level that is found
+    const Progress& progress_;
+    FitResult result_;
+    FitReport& report_ = result_.report;
+    Surface& surface_ = result_.surface;
+    Survey survey_;
+    std::optional<Preprocessed::OrderBefore> order_before_;
+    Transfer transfer_;
+    bool white_given_ = options_.white_level.has_value();
+    std::optional<NoiseModel> noise_;
+    Lighting lighting_;  // as the camera sees it, of stack_.photos
+    LobeFreedom lobes_;
+    std::optional<LightVisibility> visibility_;
+    Plane support_;  // that was taken off the height
+};
 
-// The law of the painting and what its lobes may be: as given, as the lights' calibration found it, or as
-// validation photographs are predicted best.
-LobeFreedom choose_reflectance(const LightSample& sample, const Lighting& lighting, int channels,
-                               const FitOptions& options, const std::optional<double>& diffuse_roughness,
-                               ReflectanceModelSelection& choice, const Progress& progress) {
-    const bool open = !options.lights_as_given;
-    if (open && (!options.diffuse_roughness || !options.second_lobe_weight))
-        choice = select_reflectance_model(sample, lighting, progress, diffuse_roughness);
-    choice.reflectance_model = {
-        .diffuse_roughness = options.diffuse_roughness.value_or(choice.reflectance_model.diffuse_roughness),
-        .second_lobe_weight =
-            options.second_lobe_weight.value_or(choice.reflectance_model.second_lobe_weight)};
-    if (open && !options.anisotropic_specular)
-        choose_stretches(sample, lighting, !options.second_lobe_weight, choice);
-    const bool anisotropic =
-        options.anisotropic_specular ? *options.anisotropic_specular > 0 : choice.stretches.chosen;
-    if (open && !options.coloured_specular && channels == 3)
-        choice.colours = choose_specular_colours(sample, lighting, choice.reflectance_model, anisotropic);
-    return {
-        channels == 3 && (options.coloured_specular ? *options.coloured_specular > 0 : choice.colours.chosen),
-        anisotropic};
-}
-
-// Finds the colour of each photograph's light beside the others', and makes it that of its light: so the fit
-// takes it off in linear light, each channel with its own noise and clipping, and photographs are predicted
-// as they are.
-WhiteBalances balance_photographs(Stack& stack, const Survey& surveyed, const Transfer& transfer) {
-    const float clipped = stack.development  ? stack.development->clipped
-                          : stack.bits == 32 ? std::numeric_limits<float>::infinity()
-                                             : kClipped;
-    const ColourSamples samples = colour_samples(surveyed, transfer, clipped, stack.bits);
-    if (samples.values.empty()) return {};
-    WhiteBalances balances = white_balances(samples, stack.lights());
-    std::vector<std::string> names;
-    for (const StackPhoto& photo : stack.photos) names.push_back(photo.light.name);
-    if (std::string warning = warning_of(colour_saturations(samples), names, stack.folder.string());
-        !warning.empty())
-        stack.warnings.push_back(std::move(warning));
-    if (stack.colour) {
-        std::vector<std::optional<glm::dvec2>> by_chart;
-        for (const StackPhoto& photo : stack.photos) {
-            const auto found = stack.colour->log_gains.find(photo.path.filename().string());
-            by_chart.push_back(found == stack.colour->log_gains.end() ? std::nullopt
-                                                                      : std::optional(found->second));
-        }
-        balances.refer_to(by_chart);
-    }
-    for (std::size_t i = 0; i < stack.photos.size(); ++i) stack.photos[i].light.gain *= balances.gain(i);
-    if (std::string warning = warning_of(balances, names, stack.folder.string()); !warning.empty())
-        stack.warnings.push_back(std::move(warning));
-    return balances;
-}
-
-// Whether so much is clipped that what paint reflects is open: only lower bounds are left.
-bool warn_of_clipping(Stack& stack, const Survey& surveyed) {
-    constexpr double kMuch = 0.05;  // [1] of the values: highlights alone are less
-    if (stack.bits == 32) return false;
-    double clipped = 0;
-    std::size_t worst = 0;
-    for (std::size_t i = 0; i < surveyed.photos.size(); ++i) {
-        clipped += surveyed.photos[i].clipped / static_cast<double>(surveyed.photos.size());
-        if (surveyed.photos[i].clipped > surveyed.photos[worst].clipped) worst = i;
-    }
-    if (!(clipped > kMuch)) return false;
-    stack.warnings.push_back(
-        fmt::format("{}: {:.0f} % of the values are clipped, in {} {:.0f} %: the photographs are "
-                    "overexposed, and how much "
-                    "the brightest paint reflects is lost; expose less, or take --brackets",
-                    stack.folder.string(), 100 * clipped, stack.photos[worst].light.name,
-                    100 * surveyed.photos[worst].clipped));
-    return true;
-}
-
-// The white level that was found for photographs in a unit of their own, told.
-void take_unit(Stack& stack, const Survey& surveyed, FitOptions& options) {
-    if (options.white_level) return;
-    options.white_level = white_level_of_unit(stack, surveyed);
-    if (options.white_level)
-        stack.warnings.push_back(fmt::format(
-            "{}: the photographs are floats in a unit of their own: 98 % of their values are below {:.2g}. "
-            "A white that faces the light is taken for {:.2g}, so that colours are right up to a "
-            "common factor; give the linear value of a matt white as --white-level",
-            stack.folder.string(), bright_stored(surveyed), *options.white_level));
-}
-
-// What the model does not explain: by how much, in which photographs and pixels, and what is known of the
-// cause.
-void warn_of_misfit(Stack& stack, const FitReport& report) {
-    if (explains_photographs(report)) return;
-    const PhotoMisfits& misfits = report.photo_misfits;
-    const std::string worst = worst_of(misfits, report.photo_names), not_by = ruled_out(misfits);
-    std::string cause = "what makes the result poor says why";
-    if (!report.sharpening.suspected() && doubts_of(misfits, report.photo_names).empty())
-        cause = fmt::format(
-            "{}{}",
-            is_in_gloss(misfits)
-                ? fmt::format("most where there is gloss ({:.1f} times what is expected, in {:.0f} % of the "
-                              "values; matt "
-                              "paint {:.1f} times): metal, glass and varnish look like that",
-                              misfits.glossy.rms, 100 * misfits.glossy.part, misfits.matt.rms)
-                : "not only where there is gloss: wrong light directions look like that, and noise and "
-                  "compression that are coarser than is expected",
-            not_by.empty() ? "" : fmt::format(" ({} were looked for, and it is none of them)", not_by));
-    stack.warnings.push_back(fmt::format(
-        "{}: photographs differ from the model by {}{}{}; {}", stack.folder.string(),
-        beyond_expected(report.median_rms_residual),
-        report.refined ? "" : ": shadows and neighbours' lobes are not believed, so the fit is not refined",
-        worst.empty() ? "" : "; " + worst, cause));
-}
-
-}  // namespace
-
-FitResult fit_painting(Stack stack, const FitOptions& asked, const Progress& progress) {
-    validate(asked);
-    FitOptions options = asked;
-    require_enough_lights(stack.lights(), stack.folder.string());
+// And sorts the photographs: sums are taken in this order, so the order of the lines in a lights file changes
+// no bit of the result.
+void PaintingFit::require_fittable() {
+    require_enough_lights(stack_.lights(), stack_.folder.string());
     // [bytes a pixel] Standard errors, and the height's solver (height.h): what every fit takes.
     constexpr double errors_and_height = 5 * sizeof(HalfError) + 21;
-    require_memory_of_surface(stack.folder, stack.width(), stack.height(), errors_and_height,
+    require_memory_of_surface(stack_.folder, stack_.width(), stack_.height(), errors_and_height,
                               "fitting a picture");
-    // Sums are taken in this order, so the order of the lines in a lights file changes no bit of the result.
-    std::sort(stack.photos.begin(), stack.photos.end(),
+    std::sort(stack_.photos.begin(), stack_.photos.end(),
               [](const StackPhoto& a, const StackPhoto& b) { return a.path < b.path; });
-    FitResult result;
-    FitReport& report_ = result.report;
-    Preprocessed seen = preprocess(stack, options.register_photos, progress);
-    const Survey& surveyed = seen.survey;
-    report_.transfer = seen.transfer;
+}
+
+void PaintingFit::preprocess() {
+    Preprocessed seen = tangi::preprocess(stack_, options_.register_photos, progress_);
+    survey_ = std::move(seen.survey);
+    order_before_ = std::move(seen.order_before);
+    report_.transfer = std::move(seen.transfer);
     report_.registration = std::move(seen.registration);
     report_.sharpening = seen.sharpening;
     report_.rejected = std::move(seen.rejected);
     report_.turned_doubt = std::move(seen.turned_doubt);
-    if (stack.transfer_of_chart && report_.transfer.source == "given")
+}
+
+void PaintingFit::linearise() {
+    if (stack_.transfer_of_chart && report_.transfer.source == "given")
         report_.transfer.source = "colour chart";
     // A chart in the photographs knows better.
-    if (!stack.colour) {
-        stack.colour = colour_of_profiles(stack);
-        report_.colour.by_profile = stack.colour.has_value();
+    if (!stack_.colour) {
+        stack_.colour = colour_of_profiles(stack_);
+        report_.colour.by_profile = stack_.colour.has_value();
     }
-    if (!report_.transfer.warning.empty()) stack.warnings.push_back(report_.transfer.warning);
-    const Transfer transfer = report_.transfer.transfer;
-    take_unit(stack, surveyed, options);
+    warn(report_.transfer.warning);
+    transfer_ = report_.transfer.transfer;
+    take_unit();
+}
 
-    result.surface = Surface(stack.width(), stack.height());
-    Surface& surface = result.surface;
+// The white level that is found for photographs in a unit of their own, told.
+void PaintingFit::take_unit() {
+    if (options_.white_level) return;
+    options_.white_level = white_level_of_unit(stack_, survey_);
+    if (options_.white_level)
+        warn(fmt::format(
+            "{}: the photographs are floats in a unit of their own: 98 % of their values are below {:.2g}. "
+            "A white that faces the light is taken for {:.2g}, so that colours are right up to a "
+            "common factor; give the linear value of a matt white as --white-level",
+            stack_.folder.string(), bright_stored(survey_), *options_.white_level));
+}
+
+void PaintingFit::start_surface() {
+    surface_ = Surface(stack_.width(), stack_.height());
     const std::optional<double> mm_per_pixel =
-        options.mm_per_pixel ? options.mm_per_pixel : stack.mm_per_pixel;
-    surface.mm_per_pixel = mm_per_pixel.value_or(1.0);
-    surface.scale_known = mm_per_pixel.has_value();
-    surface.photography = {.transfer = transfer,
-                           .white_level = options.white_level.value_or(1),
-                           .photos = {},
-                           .rig = {},
-                           .light_model = {},
-                           .to_camera = {}};
-    report_.white_balances = balance_photographs(stack, surveyed, transfer);
-    const NoiseModel noise = noise_model(stack, transfer, options);
-    if (!options.white_level)
-        if (std::string warning = says_too_dark(stack, surveyed, transfer, noise); !warning.empty())
-            stack.warnings.push_back(std::move(warning));
-    const Lighting given{stack.lights(), rig_of(stack), surface.photography.white_level,
-                         direction_sigmas(stack)};
-    report_.lights =
-        options.lights_as_given
-            ? LightCalibration{.lighting = given}
-            : calibrate_lights(stack, surveyed, transfer, noise_for_lights(stack, transfer, options), given,
-                               surface.mm_per_pixel, options.ward, options.calibration, progress);
-    report_.light_outliers = light_outliers_of(stack, report_.lights, surveyed, transfer);
-    if (!seen.order_before) report_.list_order = check_list_order(surveyed, transfer, stack);
-    for (std::size_t i = 0; i < stack.photos.size(); ++i) {
-        const std::string& name = stack.photos[i].light.name;
+        options_.mm_per_pixel ? options_.mm_per_pixel : stack_.mm_per_pixel;
+    surface_.mm_per_pixel = mm_per_pixel.value_or(1.0);
+    surface_.scale_known = mm_per_pixel.has_value();
+    surface_.photography = {.transfer = transfer_,
+                            .white_level = options_.white_level.value_or(1),
+                            .photos = {},
+                            .rig = {},
+                            .light_model = {},
+                            .to_camera = {}};
+}
+
+void PaintingFit::balance_colours() {
+    report_.white_balances = balance_photographs(stack_, survey_, transfer_);
+    noise_ = noise_model(stack_, transfer_, options_);
+    if (!options_.white_level) warn(says_too_dark(stack_, survey_, transfer_, *noise_));
+}
+
+void PaintingFit::calibrate_lights() {
+    const Lighting given = listed_lighting(stack_, surface_.photography.white_level);
+    if (options_.lights_as_given)
+        report_.lights = {.lighting = given};
+    else
+        report_.lights =
+            tangi::calibrate_lights({stack_, survey_, transfer_,
+                                     noise_for_lights(stack_, transfer_, options_), surface_.mm_per_pixel},
+                                    given, options_.ward, options_.calibration, progress_);
+    report_.light_outliers = light_outliers_of(stack_, report_.lights, survey_, transfer_);
+    if (!order_before_) report_.list_order = check_list_order(survey_, transfer_, stack_);
+    name_photographs();
+    take_white_of_chart();
+    lighting_ = as_camera_sees(report_.lights.lighting, stack_);
+    warn(warning_of(report_.lights, stack_.folder.string()));
+}
+
+void PaintingFit::name_photographs() {
+    for (std::size_t i = 0; i < stack_.photos.size(); ++i) {
+        const std::string& name = stack_.photos[i].light.name;
         report_.photo_names.push_back(name);
-        if (const long pixels = surveyed.photos[i].without_number; pixels > 0)
+        if (const long pixels = survey_.photos[i].without_number; pixels > 0)
             report_.without_number.emplace_back(name, pixels);
     }
     report_.order_names = report_.photo_names;
-    if (seen.order_before) {
-        report_.list_order = std::move(seen.order_before->order);
-        report_.order_names = std::move(seen.order_before->names);
+    if (order_before_) {
+        report_.list_order = std::move(order_before_->order);
+        report_.order_names = std::move(order_before_->names);
     }
-    std::optional<double> white;
-    if (!asked.white_level)
-        white = white_level_by_chart(stack, transfer, report_.lights.lighting, surface.mm_per_pixel);
-    if (white) surface.photography.white_level = report_.lights.lighting.white_level = *white;
-    const Lighting lighting = as_camera_sees(report_.lights.lighting, stack);
-    if (std::string warning = warning_of(report_.lights, stack.folder.string()); !warning.empty())
-        stack.warnings.push_back(std::move(warning));
-    describe_lights(stack, report_.lights, surface.photography);
-    float& light_radius_deg = surface.photography.rig.light_radius_deg;
-    report_.light_angular_radius.deg = options.light_radius_deg.value_or(Rig::kPointLight_deg);
-    light_radius_deg = static_cast<float>(report_.light_angular_radius.deg);
-    // Batches fit these pixels in no time, and laws that few pixels choose differ from sample to sample.
-    const LightSample sample(stack, surveyed, transfer, noise, surface.mm_per_pixel, options.ward,
-                             kForModels * options.calibration.samples);
-    const LobeFreedom lobes =
-        choose_reflectance(sample, lighting, stack.channels, options, report_.lights.diffuse_roughness,
-                           report_.reflectance_model, progress);
-    surface.reflectance_model = report_.reflectance_model.reflectance_model;
-    take_vote(report_.light_outliers, sample, stack.lights(), lighting, surface.reflectance_model);
-    report_.misfit = light_misfit(stack, surveyed, transfer, noise, lighting, surface.mm_per_pixel,
-                                  options.ward, surface.reflectance_model);
-    result.errors = FitErrors(stack.width(), stack.height());
-    const auto look_at_signs = [&](bool height_known) {
-        if (!height_known) report_.signs = check_signs(surface.normal, surface.confidence);
-        // Where slopes say that an axis is mirrored, or all are turned, this height is of no use.
-        if (report_.signs.wrong() != height_known)
-            report_.shadow_signs = check_shadows(surface, report_.signs, surveyed, transfer, lighting.lights,
-                                                 lighting.white_level, progress);
-    };
-    const LightVisibility lights =
-        fit_passes(stack, transfer, lighting, noise, options, lobes, look_at_signs, result, progress);
-    report_.photo_misfits =
-        photo_misfits(stack, transfer, noise, surface, lighting, options.ward.model_error, progress);
-    warn_of_misfit(stack, report_);
-    if (report_.sharpening.suspected() && !report_.sharpening.found())
-        stack.warnings.push_back(stack.folder.string() + ": " + says_sharpened(report_.sharpening));
-    const bool by_profile = report_.colour.by_profile;
-    report_.colour = correct_colours(stack, surface);
-    report_.colour.by_profile = by_profile;
+}
+
+// Where a chart says it, and the user does not.
+void PaintingFit::take_white_of_chart() {
+    if (white_given_) return;
+    const std::optional<double> white =
+        white_level_by_chart(stack_, transfer_, report_.lights.lighting, surface_.mm_per_pixel);
     report_.colour.white_by_chart = white.has_value();
-    const FinalHeight height = final_height(surface, surveyed, transfer, lighting, options.height,
-                                            {explains_photographs(report_), report_.refined, &lights},
-                                            &result.errors.height, progress);
+    if (white) surface_.photography.white_level = report_.lights.lighting.white_level = *white;
+}
+
+void PaintingFit::describe_lights() {
+    tangi::describe_lights(stack_, report_.lights, surface_.photography);
+    report_.light_angular_radius.deg = options_.light_radius_deg.value_or(Rig::kPointLight_deg);
+    surface_.photography.rig.light_radius_deg = static_cast<float>(report_.light_angular_radius.deg);
+}
+
+void PaintingFit::select_reflectance_model() {
+    // Batches fit these pixels in no time, and models that few pixels choose differ from sample to sample.
+    const LightSample sample(surveyed(), options_.ward, kForModels * options_.calibration.samples);
+    lobes_ = choose_lobes(sample);
+    surface_.reflectance_model = report_.reflectance_model.reflectance_model;
+    take_vote(report_.light_outliers, sample, stack_.lights(), lighting_, surface_.reflectance_model);
+    report_.misfit = light_misfit(surveyed(), lighting_, options_.ward, surface_.reflectance_model);
+}
+
+// The reflectance model of the painting and what its lobes may be: as given, as the lights' calibration found
+// it, or as validation photographs are predicted best.
+LobeFreedom PaintingFit::choose_lobes(const LightSample& sample) {
+    ReflectanceModelSelection& choice = report_.reflectance_model;
+    const bool open = !options_.lights_as_given;
+    if (open && (!options_.diffuse_roughness || !options_.second_lobe_weight))
+        choice =
+            tangi::select_reflectance_model(sample, lighting_, progress_, report_.lights.diffuse_roughness);
+    ReflectanceModel& model = choice.reflectance_model;
+    model = {.diffuse_roughness = options_.diffuse_roughness.value_or(model.diffuse_roughness),
+             .second_lobe_weight = options_.second_lobe_weight.value_or(model.second_lobe_weight)};
+    if (open && !options_.anisotropic_specular)
+        choose_stretches(sample, lighting_, !options_.second_lobe_weight, choice);
+    const bool anisotropic =
+        options_.anisotropic_specular ? *options_.anisotropic_specular > 0 : choice.stretches.chosen;
+    const bool rgb = stack_.channels == 3;
+    if (open && !options_.coloured_specular && rgb)
+        choice.colours = choose_specular_colours(sample, lighting_, model, anisotropic);
+    const bool coloured =
+        options_.coloured_specular ? *options_.coloured_specular > 0 : choice.colours.chosen;
+    return {rgb && coloured, anisotropic};
+}
+
+void PaintingFit::fit_pixels() {
+    result_.errors = FitErrors(stack_.width(), stack_.height());
+    visibility_ = fit_passes(
+        calibrated(), options_, lobes_, [this](bool height_known) { look_at_signs(height_known); }, result_,
+        progress_);
+}
+
+void PaintingFit::look_at_signs(bool height_known) {
+    if (!height_known) report_.signs = check_signs(surface_.normal, surface_.confidence);
+    // Where slopes say that an axis is mirrored, or all are turned, this height is of no use.
+    if (report_.signs.wrong() != height_known)
+        report_.shadow_signs = check_shadows(surface_, report_.signs, lit_survey(), progress_);
+}
+
+void PaintingFit::find_misfit() {
+    report_.photo_misfits = photo_misfits(calibrated(), surface_, options_.ward.model_error, progress_);
+    warn_of_misfit(stack_, report_);
+    if (report_.sharpening.suspected() && !report_.sharpening.found())
+        warn(stack_.folder.string() + ": " + says_sharpened(report_.sharpening));
+}
+
+void PaintingFit::correct_colours() {
+    const bool by_profile = report_.colour.by_profile, white_by_chart = report_.colour.white_by_chart;
+    report_.colour = tangi::correct_colours(stack_, surface_);
+    report_.colour.by_profile = by_profile;
+    report_.colour.white_by_chart = white_by_chart;
+}
+
+void PaintingFit::find_height() {
+    const FinalHeight height = final_height(surface_, lit_survey(), options_.height,
+                                            {explains_photographs(report_), report_.refined, &*visibility_},
+                                            &result_.errors.height, progress_);
     report_.height = height.report;
     report_.height_choice = height.choice;
-    if (!options.light_radius_deg && (explains_photographs(report_) || report_.refined)) {
-        report_.light_angular_radius = find_light_angular_radius(surface, surveyed, transfer, lighting);
-        light_radius_deg = static_cast<float>(report_.light_angular_radius.deg);
+    support_ = height.plane;
+    if (!options_.light_radius_deg && (explains_photographs(report_) || report_.refined)) {
+        report_.light_angular_radius = find_light_angular_radius(surface_, lit_survey());
+        surface_.photography.rig.light_radius_deg = static_cast<float>(report_.light_angular_radius.deg);
     }
-    report_.support_bulge_deg = bulge_deg(surface);
+}
+
+void PaintingFit::find_support() {
+    report_.support_bulge_deg = bulge_deg(surface_);
     report_.support_tilt_deg =
-        std::atan(std::hypot(height.plane.a, height.plane.b) / surface.mm_per_pixel) * 180 / M_PI;
-    const bool overexposed = warn_of_clipping(stack, surveyed);
-    if (report_.too_bright > report_.fitted / 20 && !overexposed)
-        stack.warnings.push_back(
-            fmt::format("{}: {:.0f} % of the pixels would reflect more than {} times the light that falls on "
-                        "them: the white "
-                        "level {} is too low; give the linear value of a matt white as --white-level",
-                        stack.folder.string(),
-                        100.0 * static_cast<double>(report_.too_bright) / static_cast<double>(report_.fitted),
-                        options.ward.bounds.diffuse_max, lighting.white_level));
-    constexpr double kManyUnsure = 0.1;
-    if (report_.unsure > kManyUnsure)
-        stack.warnings.push_back(
-            fmt::format("{}: of {:.0f} % of the pixels the photographs hardly tell the slope (confidence "
-                        "below 0.5): they are "
-                        "too dark, or too few lights reach them, and lights higher above the painting would",
-                        stack.folder.string(), 100 * report_.unsure));
-    report_.warnings = stack.warnings;
-    return result;
+        std::atan(std::hypot(support_.a, support_.b) / surface_.mm_per_pixel) * 180 / M_PI;
+}
+
+FitResult PaintingFit::finished() {
+    warn_of_exposure(stack_, survey_, report_, options_.ward.bounds.diffuse_max, lighting_.white_level);
+    warn_of_unsure_pixels(stack_, report_);
+    report_.warnings = stack_.warnings;
+    return std::move(result_);
+}
+
+}  // namespace
+
+FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& progress) {
+    validate(options);
+    PaintingFit fit(std::move(stack), options, progress);
+    fit.require_fittable();  // steps 1 and 2 of docs/developer/architecture.md are the stack's
+    fit.preprocess();        // 3, and 5: registration
+    fit.linearise();         // 4
+    fit.start_surface();
+    fit.balance_colours();
+    fit.calibrate_lights();  // 6
+    fit.describe_lights();
+    fit.select_reflectance_model();  // 7
+    fit.fit_pixels();                // 8, and the refinement of 9
+    fit.find_misfit();
+    fit.correct_colours();
+    fit.find_height();  // 9; 10, the residual, is fit_residual()
+    fit.find_support();
+    return fit.finished();
 }
 
 }  // namespace tangi

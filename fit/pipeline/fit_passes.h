@@ -22,8 +22,7 @@ struct LobeFreedom {
 // more, with what neighbours say about lobe and slope and with the shadows of a first height. result.surface
 // has size, scale and law, result.errors the size. Throws as fit_painting(). Returns which lights were seen
 // where; none where it is not refined.
-LightVisibility fit_passes(const Stack& stack, const Transfer& transfer, const Lighting& lighting,
-                           const NoiseModel& noise, const FitOptions& options, const LobeFreedom& lobes,
+LightVisibility fit_passes(const CalibratedStack& input, const FitOptions& options, const LobeFreedom& lobes,
                            const FirstLook& look, FitResult& result, const Progress& progress);
 
 // Whether the residuals of the last pass are small enough to believe what it says of errors.

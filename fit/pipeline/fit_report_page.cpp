@@ -228,28 +228,30 @@ std::string misfit_section(const FitResult& fit, const std::filesystem::path& sc
     return html + "</div>";
 }
 
-}  // namespace
-
-std::string fit_page(const FitResult& fit, const std::string& title, const std::filesystem::path& scratch) {
+std::string size_note(const FitResult& fit) {
     const FitReport& report = fit.report;
-    const LightCalibration& c = report.lights;
-    std::string html = page_head(title);
-    html += fmt::format(
+    return fmt::format(
         "<p class=\"soft\">{} × {} pixels{}, {} photographs; {:.1f} % of the pixels measured, median "
         "confidence {:.2f}.</p>",
         fit.surface.width(), fit.surface.height(),
         fit.surface.scale_known ? fmt::format(", {:.4g} mm each", fit.surface.mm_per_pixel)
                                 : ", scale not known",
-        c.lighting.lights.size(),
+        report.lights.lighting.lights.size(),
         100 * static_cast<double>(report.fitted) / static_cast<double>(std::max(report.pixels, 1L)),
         report.median_confidence);
-    if (!report.warnings.empty()) {
-        html += "<h2>To note</h2><ul class=\"notes\">";
-        for (const std::string& warning : report.warnings) html += "<li>" + escaped(warning) + "</li>";
-        html += "</ul>";
-    }
-    html += "<h2>Maps</h2><div class=\"row\">";
-    for (const MapPicture& map : map_pictures(fit.surface, kMapSize))
+}
+
+// Empty where there is nothing to note.
+std::string warnings_section(const FitReport& report) {
+    if (report.warnings.empty()) return {};
+    std::string html = "<h2>To note</h2><ul class=\"notes\">";
+    for (const std::string& warning : report.warnings) html += "<li>" + escaped(warning) + "</li>";
+    return html + "</ul>";
+}
+
+std::string maps_section(const Surface& surface, const std::filesystem::path& scratch) {
+    std::string html = "<h2>Maps</h2><div class=\"row\">";
+    for (const MapPicture& map : map_pictures(surface, kMapSize))
         html +=
             figure(map.picture,
                    fmt::format("<b>{}</b>{}{}: {}", escaped(map.title),
@@ -259,8 +261,11 @@ std::string fit_page(const FitResult& fit, const std::string& title, const std::
                                          : "",
                                escaped(map.meaning)),
                    scratch);
-    html += "</div>" + height_note(report.height_choice) +
-            "<h2>Lights</h2><div class=\"row\"><figure class=\"card\">";
+    return html + "</div>";
+}
+
+std::string lights_section(const FitResult& fit) {
+    const LightCalibration& c = fit.report.lights;
     const std::map<std::string, Vec3> listed = listed_directions(fit.surface.photography);
     std::vector<HemisphereLight> shown;
     for (std::size_t i = 0; i < c.lighting.lights.size(); ++i) {
@@ -271,17 +276,28 @@ std::string fit_page(const FitResult& fit, const std::string& title, const std::
         if (const auto was = listed.find(light.name); was != listed.end())
             on.listed = glm::dvec3(was->second);
     }
-    html +=
-        hemisphere(shown) +
-        "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
-        "painting's "
-        "plane. Lines lead from where a light was listed to where it is taken to be. Numbers as in the table."
-        "</figcaption></figure>" +
-        rig_section(fit) + "</div>" + transfer_section(report.transfer) + "<h2>Photographs</h2>" +
-        "<p class=\"soft\">Errors are standard errors (68 %). Strengths are relative to their median. Misfit "
-        "is that of "
-        "measured against predicted light.</p>" +
-        table(fit);
+    return "<h2>Lights</h2><div class=\"row\"><figure class=\"card\">" + hemisphere(shown) +
+           "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
+           "painting's "
+           "plane. Lines lead from where a light was listed to where it is taken to be. Numbers as in the "
+           "table."
+           "</figcaption></figure>" +
+           rig_section(fit) + "</div>";
+}
+
+std::string photographs_section(const FitResult& fit) {
+    return "<h2>Photographs</h2><p class=\"soft\">Errors are standard errors (68 %). Strengths are relative "
+           "to their median. Misfit is that of measured against predicted light.</p>" +
+           table(fit);
+}
+
+}  // namespace
+
+std::string fit_page(const FitResult& fit, const std::string& title, const std::filesystem::path& scratch) {
+    const FitReport& report = fit.report;
+    std::string html = page_head(title) + size_note(fit) + warnings_section(report) +
+                       maps_section(fit.surface, scratch) + height_note(report.height_choice) +
+                       lights_section(fit) + transfer_section(report.transfer) + photographs_section(fit);
     if (!report.misfit.log_ratios.empty()) html += misfit_section(fit, scratch);
     return html + "</main></body></html>\n";
 }

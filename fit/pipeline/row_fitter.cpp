@@ -238,11 +238,11 @@ void RowFitter::fit_in_shade(const Band& band, int first, const Surface& surface
     }
 }
 
-void RowFitter::judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
-                      const WardSolution& solution, WardEstimate& e) {
-    const bool compared = is_compared(x, y, surface.width(), surface.height());
+void RowFitter::judge(const Band& band, int x, int y, const RowTask& task, const WardSolution& solution,
+                      WardEstimate& e) {
+    const bool compared = is_compared(x, y, task.surface.width(), task.surface.height());
     if (!solution.doubtful && !compared) return;
-    const WardEstimate other = by_ceres(band, x, y, surface, known);
+    const WardEstimate other = by_ceres(band, x, y, task.surface, task.known);
     const double ratio =
         e.rms_residual * e.rms_residual / std::max(other.rms_residual * other.rms_residual, 1e-12);
     if (compared && e.valid && other.valid) {
@@ -260,42 +260,54 @@ void RowFitter::judge(const Band& band, int x, int y, const Surface& surface, co
     e = other;
 }
 
-void RowFitter::fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask,
-                    const Surface& surface, const PixelKnowledge& known, bool judged,
-                    const std::function<void(int x, int y, const WardEstimate&)>& done) {
-    const int width = band.width();
-    if (solver_ == Solver::ceres) {
-        for (int y = y0; y < y1; ++y) {
-            for (int x = 0; x < width; ++x) {
-                if (!mask.empty() && !mask(x, y)) continue;
-                const WardEstimate e = by_ceres(band, x, y, surface, known);
-                if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
-            }
-            look_at_row(band, y, surface, known);
+void RowFitter::fit(const Band& band, int y0, int y1, const RowTask& task, const Done& done) {
+    if (solver_ == Solver::ceres)
+        fit_by_ceres(band, y0, y1, task, done);
+    else
+        fit_in_batches(band, y0, y1, task, done);
+}
+
+void RowFitter::fit_by_ceres(const Band& band, int y0, int y1, const RowTask& task, const Done& done) {
+    const PixelKnowledge& known = task.known;
+    for (int y = y0; y < y1; ++y) {
+        for (int x = 0; x < band.width(); ++x) {
+            if (!task.mask.empty() && !task.mask(x, y)) continue;
+            const WardEstimate e = by_ceres(band, x, y, task.surface, known);
+            if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
         }
-        return;
+        look_at_row(band, y, task.surface, known);
     }
-    const int rows = std::max(1, kPixelsAtOnce / width);
+}
+
+void RowFitter::fit_in_batches(const Band& band, int y0, int y1, const RowTask& task, const Done& done) {
+    const Surface& surface = task.surface;
+    const PixelKnowledge& known = task.known;
+    const int width = band.width(), rows = std::max(1, kPixelsAtOnce / width);
     for (int first = y0; first < y1; first += rows) {
         const int last = std::min(first + rows, y1);
         batches_.start((last - first) * width);
-        for (int y = first; y < last; ++y) start_row(band, y, (y - first) * width, mask, surface, known);
+        for (int y = first; y < last; ++y) start_row(band, y, (y - first) * width, task.mask, surface, known);
         batches_.finish();
         std::vector<WardSolution> solutions(batches_.solutions());
         if (highlights_) fit_by_highlight(band, first, surface, known, solutions);
         if (known.occluded) fit_in_shade(band, first, surface, known, solutions);
-        for (int y = first; y < last; ++y)
-            for (int x = 0; x < width; ++x) {
-                const auto name = static_cast<std::size_t>((y - first) * width + x);
-                const WardSolution& solution = solutions[name];
-                if (!solution.valid && !solution.doubtful) continue;
-                WardEstimate e = solution.estimate(band.channels());
-                if (known.prior) e.stretch = known.prior(x, y).stretch;
-                if (judged) judge(band, x, y, surface, known, solution, e);
-                if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
-            }
+        hand_out(band, first, last, task, solutions, done);
         for (int y = first; y < last; ++y) look_at_row(band, y, surface, known);
     }
+}
+
+void RowFitter::hand_out(const Band& band, int y0, int y1, const RowTask& task,
+                         const std::vector<WardSolution>& solutions, const Done& done) {
+    const PixelKnowledge& known = task.known;
+    for (int y = y0; y < y1; ++y)
+        for (int x = 0; x < band.width(); ++x) {
+            const WardSolution& solution = solutions[static_cast<std::size_t>((y - y0) * band.width() + x)];
+            if (!solution.valid && !solution.doubtful) continue;
+            WardEstimate e = solution.estimate(band.channels());
+            if (known.prior) e.stretch = known.prior(x, y).stretch;
+            if (task.judged) judge(band, x, y, task, solution, e);
+            if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
+        }
 }
 
 }  // namespace tangi

@@ -46,18 +46,25 @@ struct PixelKnowledge {
     LightVisibility* lights = nullptr;
 };
 
+// What rows of pixels are fitted with beside their photographs: the same for all rows of a pass.
+struct RowTask {
+    const Surface& surface;
+    const PixelKnowledge& known;
+    const Image<unsigned char>& mask;  // pixels that are fitted; empty: all
+    bool judged = true;                // with batches: whether Ceres has a say
+};
+
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
 class RowFitter {
 public:
     RowFitter(const WardFitOptions& options, Solver solver, const Lighting& lighting, const NoiseModel& noise,
               int channels);
 
-    // Fits rows y0 <= y < y1 of the band and calls `done` for each pixel that the mask (empty: all) has and
-    // that could be fitted. A pixel's estimate does not depend on which rows it is fitted with. With batches,
-    // Ceres has no say where nothing is `judged`.
-    void fit(const Band& band, int y0, int y1, const Image<unsigned char>& mask, const Surface& surface,
-             const PixelKnowledge& known, bool judged,
-             const std::function<void(int x, int y, const WardEstimate&)>& done);
+    // Called for a pixel with its estimate.
+    using Done = std::function<void(int x, int y, const WardEstimate&)>;
+    // Fits rows y0 <= y < y1 of the band and calls `done` for each pixel that the task's mask has and that
+    // could be fitted. A pixel's estimate does not depend on which rows it is fitted with.
+    void fit(const Band& band, int y0, int y1, const RowTask& task, const Done& done);
 
     // What the photographs of the band say of a pixel; until the next call.
     PixelSamples& samples_at(const Band& band, int x, int y, const Surface& surface,
@@ -66,6 +73,11 @@ public:
     const SolverAgreement& agreement() const { return agreement_; }
 
 private:
+    void fit_by_ceres(const Band& band, int y0, int y1, const RowTask& task, const Done& done);
+    void fit_in_batches(const Band& band, int y0, int y1, const RowTask& task, const Done& done);
+    // What batches made of rows y0 <= y < y1: given to `done`, once Ceres has judged it.
+    void hand_out(const Band& band, int y0, int y1, const RowTask& task,
+                  const std::vector<WardSolution>& solutions, const Done& done);
     WardEstimate by_ceres(const Band& band, int x, int y, const Surface& surface,
                           const PixelKnowledge& known);
     void start_row(const Band& band, int y, int first_name, const Image<unsigned char>& mask,
@@ -74,8 +86,8 @@ private:
     void divide_lane_by_specular_colour(const Rgb& colour, int lane);
     void shade(const CastShadows& shadows, int x0, int y, int count);
     // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.
-    void judge(const Band& band, int x, int y, const Surface& surface, const PixelKnowledge& known,
-               const WardSolution& solution, WardEstimate& estimate);
+    void judge(const Band& band, int x, int y, const RowTask& task, const WardSolution& solution,
+               WardEstimate& estimate);
     // samples_at(), under lights of the colour of the lobe.
     PixelSamples& white_samples_at(const Band& band, int x, int y, const Surface& surface,
                                    const PixelKnowledge& known);

@@ -14,6 +14,8 @@
 
 namespace tangi {
 
+struct Stack;
+
 struct Lighting {
     std::vector<Light> lights;  // one a photograph
     Rig rig;
@@ -49,6 +51,15 @@ private:
     double stored_;
     std::array<float, kEntries> sigma_{};
     float clipped_ = std::numeric_limits<float>::infinity();
+};
+
+// A stack whose photographs can be read as linear light, and the lights that they were taken under: what
+// pixels are fitted from.
+struct CalibratedStack {
+    const Stack& stack;
+    const Transfer& transfer;  // of its files
+    const NoiseModel& noise;
+    const Lighting& lighting;  // in the order of stack.photos
 };
 
 }  // namespace tangi

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/light_checks/axis_check_shadows.h"
-
 namespace tangi {
 
 namespace {
@@ -16,12 +14,10 @@ constexpr double kClearlyBetter = 0.03;
 
 }  // namespace
 
-LightAngularRadius find_light_angular_radius(const Surface& surface, const Survey& survey,
-                                             const Transfer& transfer, const Lighting& lighting) {
+LightAngularRadius find_light_angular_radius(const Surface& surface, const LitSurvey& samples) {
     LightAngularRadius result;
     for (double deg = Rig::kPointLight_deg; deg <= kLargest_deg; deg *= 2)
-        result.tried.push_back(
-            {deg, shadow_misfit(surface, survey, transfer, lighting.lights, lighting.white_level, deg)});
+        result.tried.push_back({deg, shadow_misfit(surface, samples, deg)});
     const auto best = std::ranges::min_element(result.tried, {}, &LightAngularRadius::Trial::shadow_misfit);
     if (!(best->shadow_misfit < (1 - kClearlyBetter) * result.tried.front().shadow_misfit)) return result;
     result.deg = best->deg;

@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "capture/stack/survey.h"
-#include "fit/pixel/lighting.h"
+#include "fit/light_checks/axis_check_shadows.h"
 #include "surface/maps/surface.h"
 
 namespace tangi {
@@ -25,8 +24,7 @@ struct LightAngularRadius {
 // that is not clearly better, or no shadows are seen. Where the height or the lights' directions are a little
 // off, shadows end where they should not, and are softer in the mean than the lights are large: so it is what
 // predicts photographs, not what a ruler would measure.
-LightAngularRadius find_light_angular_radius(const Surface& surface, const Survey& survey,
-                                             const Transfer& transfer, const Lighting& lighting);
+LightAngularRadius find_light_angular_radius(const Surface& surface, const LitSurvey& samples);
 
 // {"deg", "tried": [{"deg", "shadow_misfit"}, …]}
 nlohmann::json to_json(const LightAngularRadius& radius);

@@ -33,8 +33,9 @@ struct BeamScene {
         surveyed = survey(stack);
     }
     LightCalibration calibrated() const {
-        return calibrate_lights(stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
-                                {stack.lights(), {}, 0.75}, kMmPerPixel, {});
+        return calibrate_lights(
+            {stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true), kMmPerPixel},
+            {stack.lights(), {}, 0.75}, {});
     }
     const Light& true_light(const std::string& name) const {
         for (const Photography::Photo& photo : truth.photos)

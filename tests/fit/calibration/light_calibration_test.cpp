@@ -40,8 +40,9 @@ struct LightScene {
         return sum / static_cast<double>(height.size());
     }
     LightCalibration calibrated() const {
-        return calibrate_lights(stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.002, true),
-                                {stack.lights(), {}, 0.75}, kMmPerPixel, {});
+        return calibrate_lights(
+            {stack, surveyed, Transfer{}, NoiseModel(Transfer{}, 0.002, true), kMmPerPixel},
+            {stack.lights(), {}, 0.75}, {});
     }
 };
 
@@ -188,9 +189,9 @@ TEST(LightCalibration, OfNearLightsTellsTheHeightOfThePaintFromABend) {
 // What an exposure that is too short makes of the same photographs.
 TEST(LightCalibration, FindsNearLightsInDarkPhotographs) {
     const LightScene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
-    const LightCalibration found =
-        calibrate_lights(scene.stack, scene.surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true),
-                         {scene.stack.lights(), {}, 1}, kMmPerPixel, {});
+    const LightCalibration found = calibrate_lights(
+        {scene.stack, scene.surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true), kMmPerPixel},
+        {scene.stack.lights(), {}, 1}, {});
     EXPECT_EQ(found.model.lights, LightFreedom::rig);
     EXPECT_NEAR(found.lighting.rig.light_distance_mm.value_or(0) / scene.width_mm(), 2, 0.3);
 }

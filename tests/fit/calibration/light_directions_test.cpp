@@ -72,12 +72,13 @@ struct WrongLights {
             write_lights_file(folder / "lights.lp", listed);
         }
         stack = open_stack(folder.path(), {.transfer = Transfer{}});
-        found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.006, true),
-                                 {stack.lights(),
-                                  {},
-                                  0.75,
-                                  std::vector<double>(sigma_deg > 0 ? stack.photos.size() : 0, sigma_deg)},
-                                 kMmPerPixel, {}, {.samples = 250, .refine_directions = refine});
+        found = calibrate_lights(
+            {stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.006, true), kMmPerPixel},
+            {stack.lights(),
+             {},
+             0.75,
+             std::vector<double>(sigma_deg > 0 ? stack.photos.size() : 0, sigma_deg)},
+            {}, {.samples = 250, .refine_directions = refine});
         for (const auto& trial : found.trials)
             std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.cv_psnr_db);
         const DirectionErrors e = errors();

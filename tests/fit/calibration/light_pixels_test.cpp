@@ -33,8 +33,9 @@ struct GildedPanel {
                                          .brushed = brushed}),
                     options);
         stack = open_stack(folder.path(), {.transfer = Transfer{}});
-        found = calibrate_lights(stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.002, true),
-                                 {stack.lights(), {}, 0.75}, kMmPerPixel, {});
+        found = calibrate_lights(
+            {stack, survey(stack), Transfer{}, NoiseModel(Transfer{}, 0.002, true), kMmPerPixel},
+            {stack.lights(), {}, 0.75}, {});
         for (const LightCalibration::Trial& trial : found.trials)
             std::cout << fmt::format("{}: {:.2f} dB; ", name_of(trial.model), trial.cv_psnr_db);
         std::cout << "\n" << name_of(found.model) << "\n";

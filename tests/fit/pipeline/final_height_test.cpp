@@ -76,15 +76,17 @@ constexpr HeightOptions kNoCliffs{.robust_sweeps = 0};
 Image<float> height_with(const Surface& surface, double mixing) {
     Image<float> z;
     integrate_normals(
-        mixing > 0 ? steepened_normals(surface.normal, surface.confidence, mixing) : surface.normal,
-        surface.confidence, surface.mm_per_pixel, z, kNoCliffs);
+        {mixing > 0 ? steepened_normals(surface.normal, surface.confidence, mixing) : surface.normal,
+         surface.confidence, surface.mm_per_pixel},
+        z, kNoCliffs);
     subtract(best_plane(z, surface.confidence), z);
     return z;
 }
 
 FinalHeight found(Surface& surface, const Image<float>& height_mm, const std::vector<Light>& lights,
                   const HeightEvidence& evidence = {.shadows_tell = true}, const Progress& progress = {}) {
-    return final_height(surface, photographed(surface, height_mm, lights), {}, {.lights = lights, .rig = {}},
+    return final_height(surface,
+                        {photographed(surface, height_mm, lights), {}, {.lights = lights, .rig = {}}},
                         kNoCliffs, evidence, nullptr, progress);
 }
 
@@ -117,8 +119,9 @@ TEST(FinalHeight, ItsErrorSaysThatHowSteepSlopesAreIsRoughlyKnown) {
     final_height(surface, photographed(surface, height_with(surface, 0.8), ring(25)), {},
                  {.lights = ring(25), .rig = {}}, kNoCliffs, {.shadows_tell = true}, &errors, {});
     Image<float> z;
-    integrate_normals(steepened_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
-                      surface.mm_per_pixel, z, kNoCliffs, {}, {.error_mm = &alone});
+    integrate_normals({steepened_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
+                       surface.mm_per_pixel},
+                      z, kNoCliffs, {}, {.error_mm = &alone});
     const double off = rms_difference(height_with(surface, 0.8), height_with(surface, 0.4));
     double sum = 0, expected = 0;
     for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -181,7 +184,7 @@ double found_radius_deg(double radius_deg, double elevation_deg, float higher = 
     const std::vector<Light> lights = ring(elevation_deg);
     const Survey survey = photographed(surface, surface.height_mm, lights, radius_deg);
     for (float& z : surface.height_mm.pixels()) z *= higher;
-    return find_light_angular_radius(surface, survey, {}, {.lights = lights, .rig = {}}).deg;
+    return find_light_angular_radius(surface, {survey, {}, {.lights = lights, .rig = {}}}).deg;
 }
 
 TEST(LightAngularRadius, IsThatOfTheLightsWhoseShadowsAreSeen) {

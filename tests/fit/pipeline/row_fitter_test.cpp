@@ -29,7 +29,7 @@ struct BandScene {
         RowFitter fitter({}, solver, lighting, noise, band.channels());
         Fitted result;
         for (int y = 0; y < surface.height(); y += rows)
-            fitter.fit(band, y, std::min(y + rows, surface.height()), mask, surface, known, true,
+            fitter.fit(band, y, std::min(y + rows, surface.height()), {surface, known, mask},
                        [&](int x, int row, const WardEstimate& e) {
                            result[{x, row}] = e;
                        });

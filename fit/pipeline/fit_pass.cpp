@@ -1,0 +1,236 @@
+#include "fit/pipeline/fit_pass.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <mutex>
+
+#include "surface/base/median.h"
+#include "surface/base/parallel.h"
+#include "surface/render/relight.h"
+
+namespace tangi {
+
+FirstPass::FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors,
+                     const WardPrior& general, const Image<unsigned char>& few_lights, int photos)
+    : lobes(surface, errors, general),
+      slopes(surface, plane),
+      shadows(surface.height_mm, surface.mm_per_pixel, light_radius_deg(surface, {})),
+      occluded(few_lights),
+      lights(surface.width(), surface.height(), photos) {}
+
+namespace {
+
+// One band; two are in memory at a time. Small ones stay in the processor's caches, and their memory is used
+// again instead of given back; but photographs that are resampled share rows between bands, and each thread
+// needs rows of its own.
+constexpr std::size_t kBandBytes = 24u << 20, kLargestBandBytes = 96u << 20;
+constexpr int kRowsAThread = 4;
+
+// Confidence of a pixel: 1 where the slope is certain, 1/2 where its standard error is 0.1 (about 6 degrees).
+float confidence_of(const WardEstimate& e) {
+    const double t = e.slope_error / kHalfConfidence;
+    return static_cast<float>(1 / (1 + t * t));
+}
+
+constexpr std::size_t kRmsResiduals = 1000000;
+std::size_t rms_step(const Surface& s) {
+    return std::max<std::size_t>(1, s.height_mm.size() / kRmsResiduals);
+}
+
+void store(const WardEstimate& e, int x, int y, FitResult& result) {
+    Surface& surface = result.surface;
+    surface.normal(x, y) = normal_of({static_cast<float>(e.slope.x), static_cast<float>(e.slope.y)});
+    surface.diffuse(x, y) = Rgb(e.diffuse);
+    surface.specular(x, y) = static_cast<float>(e.specular);
+    if (!surface.lobe_axes.empty())
+        surface.lobe_axes(x, y).roughness_v *= static_cast<float>(e.roughness) / surface.roughness(x, y);
+    surface.roughness(x, y) = static_cast<float>(e.roughness);
+    surface.confidence(x, y) = confidence_of(e);
+    result.errors.slope(x, y) = static_cast<float>(e.slope_error);
+    result.errors.diffuse(x, y) = static_cast<float>(e.diffuse_error);
+    result.errors.specular(x, y) = static_cast<float>(e.specular_error);
+    result.errors.roughness(x, y) = static_cast<float>(e.roughness_error);
+}
+
+// What is known of pixels beside their photographs. Lobes have the colours that the surface says.
+PixelKnowledge knowledge_of(const FitPass& pass, const Surface& surface, const WardPrior& general) {
+    PixelKnowledge known;
+    const bool coloured = !surface.specular_colour.empty();
+    if (coloured) known.specular_colour = [&](int x, int y) { return surface.specular_colour(x, y); };
+    const bool anisotropic = !surface.lobe_axes.empty();
+    const auto stretched = [&surface, anisotropic](int x, int y, WardPrior prior) {
+        if (anisotropic)
+            prior.stretch = glm::dvec2(stretch_of(surface.lobe_axes(x, y), surface.roughness(x, y)));
+        return prior;
+    };
+    if (!pass.first) {
+        if (anisotropic)
+            known.prior = [stretched, general](int x, int y) { return stretched(x, y, general); };
+        return known;
+    }
+    known.prior = [&surface, coloured, stretched, first = pass.first](int x, int y) {
+        WardPrior prior = stretched(x, y, first->lobes.at(x, y));
+        first->slopes.add_to(x, y, prior);
+        if (!coloured) return prior;
+        // rho_s of a white lobe is that of the mean channel, of a coloured one that of the largest.
+        const Rgb& colour = surface.specular_colour(x, y);
+        const double scale = 3 / static_cast<double>(colour.r + colour.g + colour.b);
+        prior.specular *= scale;
+        prior.specular_sigma *= scale;
+        return prior;
+    };
+    known.shadows = &pass.first->shadows;
+    known.occluded = &pass.first->occluded;
+    known.lights = &pass.first->lights;
+    return known;
+}
+
+int rows_of_band(const Stack& stack, const StackReader& reader) {
+    const int most = reader.rows_for(kLargestBandBytes);
+    const bool resampled = stack.geometry || std::any_of(stack.photos.begin(), stack.photos.end(),
+                                                         [](const StackPhoto& p) { return p.homography; });
+    if (resampled) return most;
+    return std::min(std::max(reader.rows_for(kBandBytes), kRowsAThread * thread_count()), most);
+}
+
+// One pass over the photographs; the next band is decoded while something is done with this one.
+template <class Do>
+void each_band(const Stack& stack, const Transfer& transfer, const Do& act) {
+    StackReader reader(stack);
+    const int rows = rows_of_band(stack, reader);
+    Band next = reader.read(0, std::min(rows, stack.height()), transfer);
+    for (int y0 = 0; y0 < stack.height(); y0 += rows) {
+        const Band band = std::move(next);
+        const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
+        auto decoded = std::async(std::launch::async,
+                                  [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
+        act(band);
+        next = decoded.get();
+    }
+}
+
+// Keeps references to all that it is given.
+class PassFitter {
+public:
+    PassFitter(const CalibratedStack& input, const FitOptions& options, const FitPass& pass,
+               FitResult& result, const Progress& progress)
+        : input_(input),
+          options_(options),
+          ward_(ward_options(options, result.surface)),
+          pass_(pass),
+          known_(knowledge_of(pass, result.surface, options.ward.prior)),
+          sampled_(sampled_pixels(result.surface.width(), result.surface.height())),
+          result_(result),
+          progress_(progress),
+          rms_residuals_((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1) {}
+
+    void run() {
+        each_band(input_.stack, input_.transfer, [&](const Band& band) {
+            if (pass_.first) {
+                pass_.first->lobes.advance(band.y0(), band.y1());
+                pass_.first->slopes.advance(band.y0(), band.y1());
+            }
+            fit_band(band);
+        });
+        summarise();
+    }
+
+private:
+    static WardFitOptions ward_options(const FitOptions& options, const Surface& surface) {
+        WardFitOptions ward = options.ward;
+        ward.reflectance_model = surface.reflectance_model;
+        return ward;
+    }
+    void fit_band(const Band& band);
+    void take(const Band& band, int x, int y, const WardEstimate& estimate, RowFitter& fitter);
+    void summarise();
+
+    const CalibratedStack& input_;
+    const FitOptions& options_;
+    const WardFitOptions ward_;
+    const FitPass& pass_;
+    const PixelKnowledge known_;
+    const SampledPixels sampled_;
+    FitResult& result_;
+    const Progress& progress_;
+    long fitted_ = 0, not_converged_ = 0;
+    int rows_ = 0;
+    std::vector<float> rms_residuals_;  // [sigma] of every so many-th pixel; < 0 where it was not fitted
+    SolverAgreement solvers_;
+    std::mutex mutex_;
+};
+
+void PassFitter::fit_band(const Band& band) {
+    const Surface& surface = result_.surface;
+    oneapi::tbb::enumerable_thread_specific<RowFitter> fitters(
+        [&] { return RowFitter(ward_, options_.solver, input_.lighting, input_.noise, band.channels()); });
+    // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
+    const int rows = options_.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
+    const RowTask task{surface, known_, pass_.mask, pass_.judged};
+    parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
+        RowFitter& fitter = fitters.local();
+        long fitted = 0, not_converged = 0;
+        fitter.fit(band, begin, end, task, [&](int x, int y, const WardEstimate& e) {
+            ++fitted;
+            not_converged += !e.converged;
+            take(band, x, y, e, fitter);
+        });
+        const std::lock_guard lock(mutex_);
+        fitted_ += fitted;
+        not_converged_ += not_converged;
+        rows_ += end - begin;
+        report(progress_, pass_.name, rows_ / static_cast<double>(surface.height()));
+    });
+    for (const RowFitter& fitter : fitters) solvers_ += fitter.agreement();
+}
+
+// The estimate of a pixel becomes part of the maps, and evidence for later passes.
+void PassFitter::take(const Band& band, int x, int y, const WardEstimate& e, RowFitter& fitter) {
+    store(e, x, y, result_);
+    const Surface& surface = result_.surface;
+    const auto samples = [&]() -> const PixelSamples& { return fitter.samples_at(band, x, y, surface, {}); };
+    if (pass_.colours) (*pass_.colours)(x, y) = lobe_evidence(samples(), e, ward_);
+    if (pass_.stretches && sampled_.x.has(x) && sampled_.y.has(y))
+        (*pass_.stretches)(sampled_.x.nearest(x), sampled_.y.nearest(y)) =
+            stretch_evidence(samples(), e, ward_);
+    const std::size_t index =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) + static_cast<std::size_t>(x);
+    if (index % rms_step(surface) == 0)
+        rms_residuals_[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
+}
+
+// What the report says of pixels.
+void PassFitter::summarise() {
+    const Surface& surface = result_.surface;
+    FitReport& report = result_.report;
+    report.pixels = static_cast<long>(surface.height_mm.size());
+    report.fitted = fitted_;
+    report.not_converged = not_converged_;
+    report.solvers = solvers_;
+    report.too_bright = 0;
+    for (const Rgb& diffuse : surface.diffuse.pixels())
+        report.too_bright +=
+            std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * options_.ward.bounds.diffuse_max;
+    std::erase_if(rms_residuals_, [](float rms) { return rms < 0; });
+    std::vector<float> confidences;
+    for (std::size_t i = 0; i < surface.height_mm.size(); i += rms_step(surface))
+        if (surface.confidence.pixels()[i] > 0) confidences.push_back(surface.confidence.pixels()[i]);
+    report.median_rms_residual = median(std::move(rms_residuals_));
+    const auto unsure =
+        std::count_if(confidences.begin(), confidences.end(), [](float c) { return c < 0.5f; });
+    report.unsure =
+        static_cast<double>(unsure) / static_cast<double>(std::max<std::size_t>(confidences.size(), 1));
+    report.median_confidence = median(std::move(confidences));
+}
+
+}  // namespace
+
+void fit_pass(const CalibratedStack& input, const FitOptions& options, const FitPass& pass, FitResult& result,
+              const Progress& progress) {
+    PassFitter(input, options, pass, result, progress).run();
+}
+
+}  // namespace tangi
