@@ -11,7 +11,6 @@
 
 namespace tangi {
 
-using glm::dmat3;
 using glm::dvec3;
 
 namespace {
@@ -110,59 +109,94 @@ double ChartLight::log_at(int patch) const {
     return sum;
 }
 
-ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartReference& reference,
-                             int degree, const std::array<bool, kChartPatches>& use,
-                             const ChartLights* start) {
-    TP_REQUIRE(degree == 1 || degree == 2, "light is a plane or a paraboloid");
-    ChartLights result;
-    result.lights.resize(photos.size());
-    result.outliers.assign(photos.size(), {});
-    std::array<double, 9> matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    if (start)
-        for (int i = 0; i < 9; ++i)
-            matrix[static_cast<std::size_t>(i)] = start->camera_of_reflectance[i % 3][i / 3];
+namespace {
+
+// The joint problem of the lights of all photographs and of the camera's matrix.
+class ChartLightFit {
+public:
+    ChartLightFit(std::span<const ChartReading> photos, const ChartReference& reference,
+                  const std::array<bool, kChartPatches>& use, const ChartLights* start)
+        : photos_(photos), reference_(reference), use_(use), start_(start) {
+        result_.lights.resize(photos.size());
+        result_.outliers.assign(photos.size(), {});
+        if (start)
+            for (int i = 0; i < 9; ++i)
+                matrix_[static_cast<std::size_t>(i)] = start->camera_of_reflectance[i % 3][i / 3];
+    }
+    // Those whose light can be known; false where there are none.
+    bool add_photographs(int degree);
+    void solve();
+    // What the solution makes of the readings.
+    void judge();
+    const ChartLights& found() const { return result_; }
+
+private:
+    bool usable(const ChartReading& photo, std::size_t i) const {
+        return use_[i] && photo.patches[i].state == PatchState::good;
+    }
+    bool is_lit(const ChartReading& photo) const {
+        int good = 0;
+        for (std::size_t i = 0; i < kChartPatches; ++i) good += usable(photo, i);
+        return good >= kLeastLitPatches;
+    }
+    void add_photograph(const ChartReading& photo, ChartLight& light);
+    void even_out();
+
+    std::span<const ChartReading> photos_;
+    const ChartReference& reference_;
+    const std::array<bool, kChartPatches>& use_;
+    const ChartLights* start_;
+    ChartLights result_;
+    std::array<double, 9> matrix_ = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     // Far from the solution everything looks like a shadow: the loss bends late at first.
-    ceres::LossFunctionWrapper loss(nullptr, ceres::DO_NOT_TAKE_OWNERSHIP);
-    ceres::Problem::Options ownership;
-    ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::Problem problem(ownership);
-    const auto usable = [&](const ChartReading& photo, std::size_t i) {
-        return use[i] && photo.patches[i].state == PatchState::good;
-    };
+    ceres::LossFunctionWrapper loss_{nullptr, ceres::DO_NOT_TAKE_OWNERSHIP};
+    ceres::Problem problem_{[] {
+        ceres::Problem::Options ownership;
+        ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+        return ownership;
+    }()};
+    std::array<std::vector<dvec3>, kChartPatches> evened_;  // readings over their light
+};
+
+void ChartLightFit::add_photograph(const ChartReading& photo, ChartLight& light) {
+    const double white = white_of(photo);
+    for (std::size_t i = 0; i < kChartPatches; ++i) {
+        if (!usable(photo, i)) continue;
+        const PatchReading& reading = photo.patches[i];
+        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ReadingError, 3, 6, 9>(new ReadingError{
+                                      dvec3(reading.mean), sigma_of(reading, white),
+                                      dvec3(reference_.patches[i].linear), basis_at(static_cast<int>(i))}),
+                                  &loss_, light.terms.data(), matrix_.data());
+    }
+}
+
+bool ChartLightFit::add_photographs(int degree) {
     std::vector<double> whites;
-    for (const ChartReading& photo : photos)
+    for (const ChartReading& photo : photos_)
         if (const double white = white_of(photo); white > 0) whites.push_back(white);
     const double dark = whites.empty() ? 0 : kDark * median(whites);
-    double* fixed = nullptr;
-    for (std::size_t p = 0; p < photos.size(); ++p) {
-        result.lights[p].dark = !(white_of(photos[p]) > dark);
-        if (result.lights[p].dark) continue;
-        int good = 0;
-        for (std::size_t i = 0; i < kChartPatches; ++i) good += usable(photos[p], i);
-        if (good < kLeastLitPatches) continue;
-        ChartLight& light = result.lights[p];
+    bool fixed = false;
+    for (std::size_t p = 0; p < photos_.size(); ++p) {
+        ChartLight& light = result_.lights[p];
+        light.dark = !(white_of(photos_[p]) > dark);
+        if (light.dark || !is_lit(photos_[p])) continue;
         light.known = true;
-        if (start)
-            light.terms = start->lights[p].terms;
+        if (start_)
+            light.terms = start_->lights[p].terms;
         else
-            light.terms[0] = level_of(photos[p], reference);
-        const double white = white_of(photos[p]);
-        for (std::size_t i = 0; i < kChartPatches; ++i) {
-            if (!usable(photos[p], i)) continue;
-            const PatchReading& reading = photos[p].patches[i];
-            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReadingError, 3, 6, 9>(new ReadingError{
-                                         dvec3(reading.mean), sigma_of(reading, white),
-                                         dvec3(reference.patches[i].linear), basis_at(static_cast<int>(i))}),
-                                     &loss, light.terms.data(), matrix.data());
-        }
+            light.terms[0] = level_of(photos_[p], reference_);
+        add_photograph(photos_[p], light);
         // The strength of all lights and of the matrix cannot be told apart: one of them is kept.
         std::vector<int> kept;
         if (!fixed) kept.push_back(0);
         if (degree == 1) kept.insert(kept.end(), {3, 4, 5});
-        if (!fixed) fixed = light.terms.data();
-        if (!kept.empty()) problem.SetManifold(light.terms.data(), new ceres::SubsetManifold(6, kept));
+        fixed = true;
+        if (!kept.empty()) problem_.SetManifold(light.terms.data(), new ceres::SubsetManifold(6, kept));
     }
-    if (!fixed) return result;
+    return fixed;
+}
+
+void ChartLightFit::solve() {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.max_num_iterations = 100;
@@ -170,53 +204,70 @@ ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartRe
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     for (const double bend : {40.0, 8.0, 1.0}) {
-        if (start && bend > 1) continue;
-        loss.Reset(new ceres::CauchyLoss(kLossSigmas * bend), ceres::TAKE_OWNERSHIP);
-        ceres::Solve(options, &problem, &summary);
+        if (start_ && bend > 1) continue;
+        loss_.Reset(new ceres::CauchyLoss(kLossSigmas * bend), ceres::TAKE_OWNERSHIP);
+        ceres::Solve(options, &problem_, &summary);
     }
-
-    dmat3& m = result.camera_of_reflectance;
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
-            m[column][row] = matrix[static_cast<std::size_t>(3 * row + column)];
+            result_.camera_of_reflectance[column][row] = matrix_[static_cast<std::size_t>(3 * row + column)];
+}
 
-    std::array<std::vector<dvec3>, kChartPatches> evened;
+void ChartLightFit::judge() {
     double squares = 0;
     int count = 0;
-    const std::array<double, kChartPatches> usual = usual_ratios(photos, result, reference);
-    for (std::size_t p = 0; p < photos.size(); ++p) {
-        if (!result.lights[p].known) continue;
-        const double white = white_of(photos[p]);
+    const std::array<double, kChartPatches> usual = usual_ratios(photos_, result_, reference_);
+    for (std::size_t p = 0; p < photos_.size(); ++p) {
+        if (!result_.lights[p].known) continue;
+        const double white = white_of(photos_[p]);
         for (std::size_t i = 0; i < kChartPatches; ++i) {
-            const PatchReading& reading = photos[p].patches[i];
+            const PatchReading& reading = photos_[p].patches[i];
             if (reading.state != PatchState::good) continue;
-            const double light = std::exp(result.lights[p].log_at(static_cast<int>(i)));
-            const dvec3 expected = light * (m * dvec3(reference.patches[i].linear));
+            const double light = std::exp(result_.lights[p].log_at(static_cast<int>(i)));
+            const dvec3 expected =
+                light * (result_.camera_of_reflectance * dvec3(reference_.patches[i].linear));
             // Shadows and highlights change the brightness; what a matrix cannot do is a matter of channels.
             const double off = brightness(dvec3(reading.mean)) - usual[i] * brightness(expected);
-            result.outliers[p][i] =
+            result_.outliers[p][i] =
                 std::abs(off) > kOutlier * brightness(expected) + kOutlierFloor * 4 * white;
-            if (result.outliers[p][i]) continue;
-            evened[i].push_back(dvec3(reading.mean) / light);
+            if (result_.outliers[p][i]) continue;
+            evened_[i].push_back(dvec3(reading.mean) / light);
             const double relative = brightness(dvec3(reading.mean) - expected) / brightness(expected);
             squares += relative * relative;
             ++count;
         }
     }
-    result.residual = count ? std::sqrt(squares / count) : 0;
+    result_.residual = count ? std::sqrt(squares / count) : 0;
+    even_out();
+}
+
+// Patches under even light: means over the photographs, with standard errors.
+void ChartLightFit::even_out() {
     for (std::size_t i = 0; i < kChartPatches; ++i) {
-        result.photos[i] = static_cast<int>(evened[i].size());
-        if (evened[i].empty()) continue;
+        const std::vector<dvec3>& values = evened_[i];
+        result_.photos[i] = static_cast<int>(values.size());
+        if (values.empty()) continue;
+        const double n = static_cast<double>(values.size());
         dvec3 mean(0), square(0);
-        for (const dvec3& v : evened[i]) mean += v / static_cast<double>(evened[i].size());
-        for (const dvec3& v : evened[i]) square += (v - mean) * (v - mean);
-        result.even[i] = mean;
-        if (evened[i].size() > 1) {
-            const double n = static_cast<double>(evened[i].size());
-            result.even_sigma[i] = glm::sqrt(square / (n * (n - 1)));
-        }
+        for (const dvec3& v : values) mean += v / n;
+        for (const dvec3& v : values) square += (v - mean) * (v - mean);
+        result_.even[i] = mean;
+        if (values.size() > 1) result_.even_sigma[i] = glm::sqrt(square / (n * (n - 1)));
     }
-    return result;
+}
+
+}  // namespace
+
+ChartLights fit_chart_lights(std::span<const ChartReading> photos, const ChartReference& reference,
+                             int degree, const std::array<bool, kChartPatches>& use,
+                             const ChartLights* start) {
+    TP_REQUIRE(degree == 1 || degree == 2, "light is a plane or a paraboloid");
+    ChartLightFit fit(photos, reference, use, start);
+    if (fit.add_photographs(degree)) {
+        fit.solve();
+        fit.judge();
+    }
+    return fit.found();
 }
 
 }  // namespace tangi
