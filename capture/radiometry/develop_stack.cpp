@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
-#include "capture/photo/exposure_merge.h"
 #include "capture/photo/photo_metadata.h"
 #include "capture/photo/raw_file.h"
+#include "capture/radiometry/developed_samples.h"
 #include "capture/radiometry/full_scale.h"
 #include "capture/radiometry/transfer_decision.h"
 #include "capture/stack/photo_screening.h"
 #include "capture/stack/photo_source.h"
 #include "capture/stack/survey.h"
 #include "surface/base/error.h"
-#include "surface/base/median.h"
 #include "surface/base/parallel.h"
 
 namespace tangi {
@@ -23,8 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kDevelopedRows = 64;                 // at a time
-constexpr int kPhotosLookedAt = 5;                 // photographs that checks and brackets read
 constexpr std::size_t kRawBytesPerPixel = 30;      // of memory, while LibRaw decodes
 constexpr std::size_t kMostRawBytesPerPixel = 60;  // ... by AAHD; DCB takes 45
 constexpr std::size_t kRawMemory = std::size_t{6} << 30;
@@ -32,13 +28,6 @@ constexpr std::size_t kRawMemory = std::size_t{6} << 30;
 bool needs_development(const Stack& stack) {
     const DevelopOptions& o = stack.develop;
     return stack.is_raw || o.dark || o.flat || o.ambient || o.brackets;
-}
-
-std::vector<StackPhoto*> all_photos(Stack& stack) {
-    std::vector<StackPhoto*> all;
-    for (StackPhoto& photo : stack.photos) all.push_back(&photo);
-    for (StackPhoto& photo : stack.held_out) all.push_back(&photo);
-    return all;
 }
 
 TransferEstimate encoding_of(Stack& stack, const Progress& progress) {
@@ -75,150 +64,6 @@ void decode_raws(const std::vector<fs::path>& files, const PhotoHeader& header, 
     report(progress, "develop", 1);
     for (int i = 0; i < count; ++i) development.raw_index[files[static_cast<std::size_t>(i)]] = i;
     development.raws = raws;
-}
-
-// A grid of pixels of one file as the development makes them so far, mean of the channels; NaN where clipped.
-std::vector<float> sample_of(const Stack& stack, const fs::path& file, const Light& light) {
-    PhotoSource source(stack, {file, light, 0, {}, {{file, 1.0}}});
-    const PhotoHeader& header = source.header();
-    const auto channels = static_cast<std::size_t>(header.channels);
-    // The frames and exposures are those of the photographs, whatever picture is made of them.
-    const Region part = stack.geometry ? Region{0, 0, header.width, header.height} : stack.crop;
-    const std::size_t row = static_cast<std::size_t>(header.width) * channels;
-    const int step =
-        std::max(1, static_cast<int>(std::sqrt(static_cast<double>(part.width()) * part.height() / 20000)));
-    std::vector<float> rows, sample;
-    for (int y0 = 0; y0 < part.y1; y0 += kDevelopedRows) {
-        const int y1 = std::min(y0 + kDevelopedRows, header.height);
-        rows.resize(row * static_cast<std::size_t>(y1 - y0));
-        source.read_rows(y0, y1, rows);
-        for (int y = std::max(y0, part.y0); y < std::min(y1, part.y1); ++y)
-            for (int x = part.x0; x < part.x1; x += step) {
-                if ((y - part.y0) % step != 0) break;
-                const float* value =
-                    &rows[row * static_cast<std::size_t>(y - y0) + static_cast<std::size_t>(x) * channels];
-                float sum = 0;
-                for (std::size_t c = 0; c < channels; ++c)
-                    sum += value[c] < stack.development->sensor_clipped
-                               ? value[c]
-                               : std::numeric_limits<float>::quiet_NaN();
-                sample.push_back(sum / static_cast<float>(channels));
-            }
-    }
-    return sample;
-}
-
-// Mean over what is not clipped; clipped pixels count as full scale.
-double mean_of(const std::vector<float>& sample) {
-    double sum = 0;
-    for (const float value : sample) sum += std::isnan(value) ? 1.0 : static_cast<double>(value);
-    return sample.empty() ? 0 : sum / static_cast<double>(sample.size());
-}
-
-// Photographs to look at, spread over the stack.
-std::vector<const StackPhoto*> some_photos(const Stack& stack) {
-    std::vector<const StackPhoto*> some;
-    const std::size_t count = stack.photos.size(), wanted = std::min<std::size_t>(count, kPhotosLookedAt);
-    for (std::size_t i = 0; i < wanted; ++i) some.push_back(&stack.photos[i * count / wanted]);
-    return some;
-}
-
-// The settings of all brackets from the pixels of a few, put into the photographs.
-void relate_exposures(Stack& stack, DevelopReport& report_) {
-    std::set<double> distinct;
-    for (StackPhoto* photo : all_photos(stack))
-        for (const Exposure& exposure : photo->exposures) distinct.insert(exposure.relative);
-    const std::vector<double> settings(distinct.begin(), distinct.end());
-    const auto index = [&](double relative) {
-        return static_cast<std::size_t>(std::lower_bound(settings.begin(), settings.end(), relative) -
-                                        settings.begin());
-    };
-    std::vector<ExposurePair> pairs;
-    for (const StackPhoto* photo : some_photos(stack)) {
-        std::vector<Exposure> exposures = photo->exposures;
-        std::sort(exposures.begin(), exposures.end(),
-                  [](const Exposure& a, const Exposure& b) { return a.relative < b.relative; });
-        std::vector<float> below;
-        for (std::size_t k = 0; k < exposures.size(); ++k) {
-            std::vector<float> sample = sample_of(stack, exposures[k].path, photo->light);
-            if (k > 0)
-                pairs.push_back(
-                    {index(exposures[k].relative), index(exposures[k - 1].relative), sample, below});
-            below = std::move(sample);
-        }
-    }
-    const RefinedExposures refined = refine_exposures(settings, pairs);
-    for (std::size_t k = 0; k < settings.size(); ++k) {
-        report_.settings.push_back(
-            {settings[k], refined.relative[k], refined.scatter[k], refined.refined[k]});
-        if (k == 0) continue;
-        const double given = settings[k] / settings[k - 1],
-                     found = refined.relative[k] / refined.relative[k - 1];
-        if (!refined.refined[k])
-            stack.warnings.push_back(
-                fmt::format("{}: no pixels are well exposed both at {:.4g} and at {:.4g} of the reference "
-                            "exposure; their ratio is "
-                            "taken as given",
-                            stack.folder.string(), settings[k - 1], settings[k]));
-        else if (std::abs(std::log(found / given)) > std::log(1.26))
-            stack.warnings.push_back(
-                fmt::format("{}: exposures said to differ by a factor of {:.3g} differ by {:.3g} in the "
-                            "photographs, which is what is "
-                            "used; check the brackets, and that all are stored alike",
-                            stack.folder.string(), given, found));
-        if (refined.scatter[k] > 0.02)
-            stack.warnings.push_back(
-                fmt::format("{}: the ratio of neighbouring exposures changes by {:.1f} % from light to "
-                            "light: the lights or the "
-                            "shutter are not steady",
-                            stack.folder.string(), 100 * refined.scatter[k]));
-    }
-    for (StackPhoto* photo : all_photos(stack))
-        for (Exposure& exposure : photo->exposures)
-            exposure.relative = refined.relative[index(exposure.relative)];
-}
-
-// Frames that do not belong to these photographs show in their brightness.
-void check_frames(Stack& stack, const DevelopReport& report_) {
-    if (!report_.dark && !report_.ambient) return;
-    double brightest = 0,
-           below = 0;  // mean of the brightest photograph, dark frame taken off; part that is 0
-    for (const StackPhoto* photo : some_photos(stack)) {
-        const std::vector<float> sample = sample_of(stack, photo->path, photo->light);
-        const double mean = mean_of(sample);
-        if (mean < brightest) continue;
-        brightest = mean;
-        below = static_cast<double>(std::count(sample.begin(), sample.end(), 0.0f)) /
-                static_cast<double>(std::max<std::size_t>(sample.size(), 1));
-    }
-    if (const auto& dark = report_.dark) {
-        const std::string name = dark->files.front().string();
-        if (below > 0.5)
-            fail(
-                "{}: the dark frame ({:.4f} of full scale on average) is brighter than {:.0f} % of the "
-                "brightest photograph; it must be taken with the lens covered",
-                name, dark->mean, 100 * below);
-        if (dark->mean > brightest)
-            stack.warnings.push_back(fmt::format(
-                "{}: the dark frame ({:.4f} of full scale on average) is brighter than what it leaves of the "
-                "photographs ({:.4f}); was the lens covered?",
-                name, dark->mean, brightest));
-    }
-    if (const auto& ambient = report_.ambient) {
-        const std::string name = ambient->files.front().string();
-        const double part = ambient->mean / std::max(brightest, 1e-9);
-        if (part >= 0.8)
-            fail(
-                "{}: the photograph of the ambient light has {:.0f} % of the brightness of the brightest "
-                "photographs; the "
-                "light must be off in it, and the room darker",
-                name, 100 * part);
-        if (part > 0.25)
-            stack.warnings.push_back(
-                fmt::format("{}: {:.0f} % of the light in the photographs is ambient; what is left when it "
-                            "is taken off is noisy",
-                            name, 100 * part));
-    }
 }
 
 // Exposure of a frame in units of the reference exposure, by EXIF; empty where a file does not tell.
@@ -270,6 +115,126 @@ void find_clipping(const Stack& stack, const DevelopReport& report_, Development
     d.clipped *= most;
 }
 
+// How the stack's values become linear light, but for frames and clipping.
+Development development_of(const Stack& stack, const TransferEstimate& encoding) {
+    Development d;
+    d.encoding = encoding.transfer;
+    d.encoding_source = encoding.source;
+    d.bits = stack.bits;
+    d.demosaic = stack.develop.demosaic;
+    if (d.bits != 32)
+        for (int code = 0, codes = 1 << d.bits; code < codes; ++code)
+            d.table.push_back(d.encoding.decode(static_cast<float>(code) / static_cast<float>(codes - 1)));
+    if (d.table.empty()) d.sensor_clipped = d.clipped = std::numeric_limits<float>::infinity();
+    return d;
+}
+
+// The development of one stack: frames are averaged in the order in which they build on each other.
+class StackDeveloper {
+public:
+    StackDeveloper(Stack& stack, DevelopReport& report)
+        : stack_(stack),
+          report_(report),
+          first_(stack.photos.front().path),
+          context_{PhotoFile(first_).header(), first_,           report.encoding.transfer,
+                   stack.develop.demosaic,     stack.full_scale, stack.float_codes},
+          development_(std::make_shared<Development>(development_of(stack, report.encoding))),
+          d_(*development_) {
+        stack.development = development_;
+        stack.bits = 32;
+        stack.transfer = Transfer{};
+    }
+    void decode_raws(bool keep, const Progress& progress);
+    void take_dark();
+    void take_ambient();
+    void take_flat();
+    void finish();
+
+private:
+    void warn(std::string warning) { stack_.warnings.push_back(std::move(warning)); }
+    void count_frame() {
+        report_.scratch_bytes += static_cast<std::uint64_t>(context_.like.width) *
+                                 static_cast<std::uint64_t>(context_.like.height) *
+                                 static_cast<std::uint64_t>(context_.like.channels) * sizeof(float);
+    }
+
+    Stack& stack_;
+    DevelopReport& report_;
+    const fs::path first_;
+    const FrameContext context_;
+    const std::shared_ptr<Development> development_;
+    Development& d_;
+    AveragedFrame ambient_;
+};
+
+void StackDeveloper::decode_raws(bool keep, const Progress& progress) {
+    std::vector<fs::path> files;
+    for (const StackPhoto* photo : all_photos(stack_))
+        for (const fs::path& file : files_of(*photo)) files.push_back(file);
+    const RawHeader raw = read_raw_header(first_);
+    report_.camera = raw.camera;
+    if (keep) tangi::decode_raws(files, context_.like, d_, progress);
+}
+
+void StackDeveloper::take_dark() {
+    const auto& path = stack_.develop.dark;
+    if (!path) return;
+    AveragedFrame dark = average_frame(*path, "dark frame", context_);
+    report_.dark = dark.summary;
+    if (const auto relative = relative_exposure(stack_, dark.summary);
+        is_another(relative) && !stack_.develop.brackets)
+        warn(fmt::format(
+            "{}: the dark frame was taken with {:.3g} times the exposure of the photographs, says EXIF; "
+            "its offset may be another",
+            dark.summary.files.front().string(), *relative));
+    d_.dark = dark.frame;
+    count_frame();
+}
+
+// Where there is one; and checks the frames.
+void StackDeveloper::take_ambient() {
+    if (const auto& path = stack_.develop.ambient) {
+        ambient_ = average_frame(*path, "photograph of the ambient light", context_);
+        const auto relative = relative_exposure(stack_, ambient_.summary);
+        if (is_another(relative))
+            warn(fmt::format(
+                "{}: the ambient light was taken with {:.3g} times the exposure of the photographs, says "
+                "EXIF, and is scaled accordingly",
+                ambient_.summary.files.front().string(), *relative));
+        subtract_dark(ambient_, d_.dark.get(), is_another(relative) ? *relative : 1, context_);
+        report_.ambient = ambient_.summary;
+        count_frame();
+    }
+    check_frames(stack_, report_);  // of photographs from which it is not taken off yet
+    d_.ambient = ambient_.frame;
+}
+
+void StackDeveloper::take_flat() {
+    const auto& path = stack_.develop.flat;
+    if (!path) return;
+    AveragedFrame flat = average_frame(*path, "flat field", context_);
+    d_.gain = gain_of_flat(flat, d_.dark.get(), context_);
+    report_.flat = flat.summary;
+    count_frame();
+    if (flat.summary.unusable > 0)
+        warn(
+            fmt::format("{}: {:.2g} % of the flat field are darker than a tenth of its mean; nothing is "
+                        "measured there",
+                        flat.summary.files.front().string(), 100 * flat.summary.unusable));
+}
+
+void StackDeveloper::finish() {
+    if (d_.raws) report_.scratch_bytes += d_.raws->bytes();
+    if (stack_.is_raw && stack_.develop.raw_colour == RawColour::rec709)
+        d_.colour = colour_of(read_raw_header(first_));
+    find_clipping(stack_, report_, d_);
+    for (const auto* frame : {&report_.dark, &report_.flat, &report_.ambient})
+        if (*frame && (*frame)->without_number > 0)
+            warn(fmt::format(
+                "{}: {} pixels hold no number that light can have (NaN, infinite); nothing is measured there",
+                (*frame)->files.front().string(), (*frame)->without_number));
+}
+
 }  // namespace
 
 DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress& progress) {
@@ -283,85 +248,13 @@ DevelopReport develop_stack(Stack& stack, const DevelopRun& run, const Progress&
                                              stack.folder.string(), stack.transfer->name()));
     if (!report_.encoding.warning.empty()) stack.warnings.push_back(report_.encoding.warning);
 
-    const fs::path first = stack.photos.front().path;
-    const FrameContext context{PhotoFile(first).header(), first,
-                               report_.encoding.transfer, stack.develop.demosaic,
-                               stack.full_scale,          stack.float_codes};
-    const auto development = std::make_shared<Development>();
-    Development& d = *development;
-    d.encoding = report_.encoding.transfer;
-    d.encoding_source = report_.encoding.source;
-    d.bits = stack.bits;
-    d.demosaic = stack.develop.demosaic;
-    if (d.bits != 32)
-        for (int code = 0, codes = 1 << d.bits; code < codes; ++code)
-            d.table.push_back(d.encoding.decode(static_cast<float>(code) / static_cast<float>(codes - 1)));
-    if (d.table.empty()) d.sensor_clipped = d.clipped = std::numeric_limits<float>::infinity();
-    stack.development = development;
-    stack.bits = 32;
-    stack.transfer = Transfer{};
-
-    std::vector<fs::path> files;
-    for (const StackPhoto* photo : all_photos(stack))
-        for (const fs::path& file : files_of(*photo)) files.push_back(file);
-    if (stack.is_raw) {
-        const RawHeader raw = read_raw_header(first);
-        report_.camera = raw.camera;
-        if (run.keep_raws) decode_raws(files, context.like, d, progress);
-    }
-    const auto frame_bytes = [&] {
-        return static_cast<std::uint64_t>(context.like.width) *
-               static_cast<std::uint64_t>(context.like.height) *
-               static_cast<std::uint64_t>(context.like.channels) * sizeof(float);
-    };
-    if (const auto& path = stack.develop.dark) {
-        AveragedFrame dark = average_frame(*path, "dark frame", context);
-        report_.dark = dark.summary;
-        if (const auto relative = relative_exposure(stack, dark.summary);
-            is_another(relative) && !stack.develop.brackets)
-            stack.warnings.push_back(fmt::format(
-                "{}: the dark frame was taken with {:.3g} times the exposure of the photographs, says EXIF; "
-                "its offset may be another",
-                dark.summary.files.front().string(), *relative));
-        d.dark = dark.frame;
-        report_.scratch_bytes += frame_bytes();
-    }
+    StackDeveloper developer(stack, report_);
+    if (stack.is_raw) developer.decode_raws(run.keep_raws, progress);
+    developer.take_dark();
     if (stack.develop.brackets) relate_exposures(stack, report_);
-    AveragedFrame ambient;
-    if (const auto& path = stack.develop.ambient) {
-        ambient = average_frame(*path, "photograph of the ambient light", context);
-        const auto relative = relative_exposure(stack, ambient.summary);
-        if (is_another(relative))
-            stack.warnings.push_back(fmt::format(
-                "{}: the ambient light was taken with {:.3g} times the exposure of the photographs, says "
-                "EXIF, and is scaled accordingly",
-                ambient.summary.files.front().string(), *relative));
-        subtract_dark(ambient, d.dark.get(), is_another(relative) ? *relative : 1, context);
-        report_.ambient = ambient.summary;
-        report_.scratch_bytes += frame_bytes();
-    }
-    check_frames(stack, report_);
-    d.ambient = ambient.frame;
-    if (const auto& path = stack.develop.flat) {
-        AveragedFrame flat = average_frame(*path, "flat field", context);
-        d.gain = gain_of_flat(flat, d.dark.get(), context);
-        report_.flat = flat.summary;
-        report_.scratch_bytes += frame_bytes();
-        if (flat.summary.unusable > 0)
-            stack.warnings.push_back(
-                fmt::format("{}: {:.2g} % of the flat field are darker than a tenth of its mean; nothing is "
-                            "measured there",
-                            flat.summary.files.front().string(), 100 * flat.summary.unusable));
-    }
-    if (d.raws) report_.scratch_bytes += d.raws->bytes();
-    if (stack.is_raw && stack.develop.raw_colour == RawColour::rec709)
-        d.colour = colour_of(read_raw_header(first));
-    find_clipping(stack, report_, d);
-    for (const auto* frame : {&report_.dark, &report_.flat, &report_.ambient})
-        if (*frame && (*frame)->without_number > 0)
-            stack.warnings.push_back(fmt::format(
-                "{}: {} pixels hold no number that light can have (NaN, infinite); nothing is measured there",
-                (*frame)->files.front().string(), (*frame)->without_number));
+    developer.take_ambient();
+    developer.take_flat();
+    developer.finish();
     return report_;
 }
 
