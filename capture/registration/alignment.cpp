@@ -12,8 +12,6 @@ namespace tangi {
 
 namespace {
 
-constexpr int kCellSize = 24;         // [pixels of a window] errors are shared inside a cell
-constexpr double kKept = 0.2;         // [1] part of a cell's pixels: those with the strongest edges
 constexpr float kCauchy = 2;          // [scales]
 constexpr double kLeastFree = 0.25;   // [1] smallest 1 - leverage that a residual is divided by
 constexpr double kRidge = 0.02;       // [1] of a pixel's weight: keeps light terms determinate
@@ -41,69 +39,6 @@ Alignment::Alignment(const MotionFrame& frame, const std::vector<glm::dvec3>& li
     terms_ = std::count(in_model_.begin(), in_model_.end(), true) >= kEnoughForRelief ? 3 : 1;
 }
 
-void Alignment::look_at(const std::vector<AlignmentWindow>& windows, int pixels) {
-    windows_ = &windows;
-    pixels_.clear();
-    cells_ = 0;
-    struct Candidate {
-        float strength;
-        Pixel pixel;
-    };
-    std::vector<std::vector<Candidate>> cells;
-    std::size_t candidates = 0;
-    for (std::size_t w = 0; w < windows.size(); ++w) {
-        const AlignmentWindow& window = windows[w];
-        const int width = window.pictures.front().width(), height = window.pictures.front().height();
-        Image<float> strength(width, height);
-        parallel_for(0, height, 4, [&](int begin, int end) {
-            for (int y = begin; y < end; ++y)
-                for (int x = 0; x < width; ++x) {
-                    float dx = 0, dy = 0;
-                    for (std::size_t i = 0; i < pictures.size(); ++i) {
-                        if (!in_model_[i]) continue;
-                        const glm::dvec2 p = window.origin + window.reduction * glm::dvec2(x, y);
-                        const glm::dvec2 q =
-                            (mapped(pictures[i].homography, p) - window.origin) / window.reduction;
-                        float value, gx, gy;
-                        if (!sample_at(window.pictures[i], q, value, gx, gy)) continue;
-                        dx += gx;
-                        dy += gy;
-                    }
-                    strength(x, y) = dx * dx + dy * dy;
-                }
-        });
-        const int columns = (width + kCellSize - 1) / kCellSize, rows = (height + kCellSize - 1) / kCellSize;
-        const std::size_t first = cells.size();
-        cells.resize(first + static_cast<std::size_t>(columns * rows));
-        for (int y = 4; y < height - 4; ++y)
-            for (int x = 4; x < width - 4; ++x) {
-                const auto cell = first + static_cast<std::size_t>((y / kCellSize) * columns + x / kCellSize);
-                cells[cell].push_back({strength(x, y),
-                                       {.window = static_cast<int>(w),
-                                        .cell = static_cast<int>(cell),
-                                        .position = window.origin + window.reduction * glm::dvec2(x, y),
-                                        .scale = 1}});
-                ++candidates;
-            }
-    }
-    cells_ = static_cast<int>(cells.size());
-    const double part = std::min(kKept, pixels / std::max<double>(1, static_cast<double>(candidates)));
-    for (auto& cell : cells) {
-        const auto wanted = static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(cell.size())));
-        std::partial_sort(cell.begin(), cell.begin() + wanted, cell.end(), [](const auto& a, const auto& b) {
-            return a.strength != b.strength                   ? a.strength > b.strength
-                   : a.pixel.position.y != b.pixel.position.y ? a.pixel.position.y < b.pixel.position.y
-                                                              : a.pixel.position.x < b.pixel.position.x;
-        });
-        for (std::ptrdiff_t k = 0; k < wanted; ++k)
-            if (cell[static_cast<std::size_t>(k)].strength > 0)
-                pixels_.push_back(cell[static_cast<std::size_t>(k)].pixel);
-    }
-    samples_.assign(pixels_.size() * pictures.size(), {});
-    std::fill(scales_.begin(), scales_.end(), 1.0f);
-    typical_scale_ = 0.1f;
-}
-
 void Alignment::sample() {
     parallel_for(0, static_cast<int>(pixels_.size()), 64, [&](int begin, int end) {
         for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
@@ -119,52 +54,52 @@ void Alignment::sample() {
     });
 }
 
-// A robust least-squares fit of value and gradient to the terms of the light; each picture's residual is
-// that against a fit without itself.
-void Alignment::predict_pixel(std::size_t k) {
+// One round of a pixel's least squares of value and gradient by the light's terms; `robust`: weighed by the
+// deviations from the fit as it is, which are handed out. False where it cannot be told.
+bool Alignment::fit_pixel(std::size_t k, bool robust, PixelFit& fit, std::vector<float>& deviations) {
     const auto n = static_cast<std::size_t>(terms_), count = pictures.size();
     Sample* s = &samples_[k * count];
-    Pixel& pixel = pixels_[k];
-    Three c{}, cx{}, cy{};
-    Small factor{};
-    std::vector<float> deviations;
-    for (int round = 0; round < kRounds; ++round) {
-        Small a{};
-        Three b{}, bx{}, by{};
-        deviations.clear();
-        for (std::size_t i = 0; i < count; ++i) {
-            s[i].weight = 0;
-            if (std::isnan(s[i].value) || !in_model_[i]) continue;
-            const Three& f = terms_of_[i];
-            float w = 1 / (scales_[i] * scales_[i]);
-            if (round > 0) {
-                const float r = (s[i].value - static_cast<float>(dot(c, f, n))) / scales_[i];
-                deviations.push_back(std::abs(r));
-                const float t = r / (kCauchy * pixel.scale);
-                w /= 1 + t * t;
-            }
-            s[i].weight = w;
-            for (std::size_t p = 0; p < n; ++p) {
-                for (std::size_t q = 0; q <= p; ++q) a[p][q] += w * f[p] * f[q];
-                b[p] += w * f[p] * s[i].value;
-                bx[p] += w * f[p] * s[i].dx;
-                by[p] += w * f[p] * s[i].dy;
-            }
+    Small a{};
+    Three b{}, bx{}, by{};
+    deviations.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+        s[i].weight = 0;
+        if (std::isnan(s[i].value) || !in_model_[i]) continue;
+        const Three& f = terms_of_[i];
+        float w = 1 / (scales_[i] * scales_[i]);
+        if (robust) {
+            const float r = (s[i].value - static_cast<float>(dot(fit.value, f, n))) / scales_[i];
+            deviations.push_back(std::abs(r));
+            const float t = r / (kCauchy * pixels_[k].scale);
+            w /= 1 + t * t;
         }
-        for (std::size_t p = 1; p < n; ++p) a[p][p] += kRidge * a[0][0];
-        if (!(a[0][0] > 0) || !factorise(a, n)) {
-            for (std::size_t i = 0; i < count; ++i) s[i].residual = kNaN;
-            return;
+        s[i].weight = w;
+        for (std::size_t p = 0; p < n; ++p) {
+            for (std::size_t q = 0; q <= p; ++q) a[p][q] += w * f[p] * f[q];
+            b[p] += w * f[p] * s[i].value;
+            bx[p] += w * f[p] * s[i].dx;
+            by[p] += w * f[p] * s[i].dy;
         }
-        solve(a, n, b), solve(a, n, bx), solve(a, n, by);
-        c = b, cx = bx, cy = by, factor = a;
-        if (deviations.empty()) continue;
-        const float scale = 1.4826f * median(deviations), part = static_cast<float>(deviations.size());
-        pixel.scale =
-            std::max(std::sqrt((part * part * scale * scale + kShared * typical_scale_ * typical_scale_) /
-                               (part * part + kShared)),
-                     kLeastScale);
     }
+    for (std::size_t p = 1; p < n; ++p) a[p][p] += kRidge * a[0][0];
+    if (!(a[0][0] > 0) || !factorise(a, n)) return false;
+    solve(a, n, b), solve(a, n, bx), solve(a, n, by);
+    fit = {b, bx, by, a};
+    return true;
+}
+
+// Of a pixel's residuals: its own and the usual one, by how many tell it.
+float Alignment::scale_of(std::vector<float> deviations) const {
+    const float part = static_cast<float>(deviations.size()), scale = 1.4826f * median(std::move(deviations));
+    return std::max(std::sqrt((part * part * scale * scale + kShared * typical_scale_ * typical_scale_) /
+                              (part * part + kShared)),
+                    kLeastScale);
+}
+
+// Each picture's residual is that against a fit without itself.
+void Alignment::find_residuals(std::size_t k, const PixelFit& fit) {
+    const auto n = static_cast<std::size_t>(terms_), count = pictures.size();
+    Sample* s = &samples_[k * count];
     for (std::size_t i = 0; i < count; ++i) {
         if (std::isnan(s[i].value)) {
             s[i].residual = kNaN;
@@ -172,14 +107,29 @@ void Alignment::predict_pixel(std::size_t k) {
         }
         const Three& f = terms_of_[i];
         Three h = f;
-        solve(factor, n, h);
+        solve(fit.factor, n, h);
         const double free = std::max(kLeastFree, 1 - s[i].weight * dot(h, f, n));
-        s[i].residual = static_cast<float>((s[i].value - dot(c, f, n)) / free);
-        s[i].dx = static_cast<float>(dot(cx, f, n));
-        s[i].dy = static_cast<float>(dot(cy, f, n));
+        s[i].residual = static_cast<float>((s[i].value - dot(fit.value, f, n)) / free);
+        s[i].dx = static_cast<float>(dot(fit.dx, f, n));
+        s[i].dy = static_cast<float>(dot(fit.dy, f, n));
     }
-    pixel.terms = c;
-    if (n == 3) add_tied_rows(k, factor, c);
+}
+
+// A robust least-squares fit of value and gradient to the terms of the light.
+void Alignment::predict_pixel(std::size_t k) {
+    PixelFit fit;
+    std::vector<float> deviations;
+    for (int round = 0; round < kRounds; ++round) {
+        if (!fit_pixel(k, round > 0, fit, deviations)) {
+            for (std::size_t i = 0; i < pictures.size(); ++i)
+                samples_[k * pictures.size() + i].residual = kNaN;
+            return;
+        }
+        if (!deviations.empty()) pixels_[k].scale = scale_of(deviations);
+    }
+    find_residuals(k, fit);
+    pixels_[k].terms = fit.value;
+    if (terms_ == 3) add_tied_rows(k, fit.factor, fit.value);
 }
 
 // The rows of a motion that is linear in the light's terms, after what the pixel's own terms take up.
@@ -242,9 +192,11 @@ void Alignment::predict() {
     for (float& scale : scales_) scale = std::clamp(scale / middle, 0.2f, 20.0f);
 }
 
-void Alignment::move(std::size_t i, MotionModel largest) {
+struct Alignment::MotionEvidence {
+    // How a picture agrees with its prediction, in sums over pixels.
     struct Agreement {
         double product = 0, squares = 0, predicted = 0, weights = 0;
+
         double correlation() const { return product / std::sqrt(std::max(squares * predicted, 1e-30)); }
         void add(double value, double prediction, double weight) {
             product += weight * value * prediction;
@@ -253,9 +205,27 @@ void Alignment::move(std::size_t i, MotionModel largest) {
             weights += weight;
         }
     };
-    std::vector<MotionCell> cells(static_cast<std::size_t>(cells_));
-    std::vector<Agreement> agreements(static_cast<std::size_t>(cells_));
+    std::vector<MotionCell> cells;
+    std::vector<Agreement> agreements;  // of the cells
     Agreement all;
+
+    // [standard errors] by which correlations of cells differ from 0.
+    double certainty() const {
+        double sum = 0, square_sum = 0, count = 0;
+        for (const Agreement& agreement : agreements) {
+            if (agreement.squares == 0) continue;
+            const double a = agreement.correlation();
+            sum += a, square_sum += a * a, count += 1;
+        }
+        const double variance = count > 1 ? (square_sum - sum * sum / count) / (count - 1) : 0;
+        return variance > 0 ? sum / std::sqrt(count * variance) : 0;
+    }
+};
+
+Alignment::MotionEvidence Alignment::evidence_of(std::size_t i) const {
+    MotionEvidence evidence{std::vector<MotionCell>(static_cast<std::size_t>(cells_)),
+                            std::vector<MotionEvidence::Agreement>(static_cast<std::size_t>(cells_)),
+                            {}};
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
         const Pixel& pixel = pixels_[k];
         const Sample& s = samples_[k * pictures.size() + i];
@@ -267,31 +237,35 @@ void Alignment::move(std::size_t i, MotionModel largest) {
         const auto basis = motion_basis(frame_.normalised(pixel.position));
         MotionVector row;
         for (std::size_t p = 0; p < kMotion; ++p) row[p] = glm::dot(gradient, basis[p]);
-        cells[static_cast<std::size_t>(pixel.cell)].add(row, s.residual, weight);
+        const auto cell = static_cast<std::size_t>(pixel.cell);
+        evidence.cells[cell].add(row, s.residual, weight);
         const double w = 1 / (pixel.scale * pixel.scale);
-        agreements[static_cast<std::size_t>(pixel.cell)].add(s.value, s.value - s.residual, w);
-        all.add(s.value, s.value - s.residual, w);
+        evidence.agreements[cell].add(s.value, s.value - s.residual, w);
+        evidence.all.add(s.value, s.value - s.residual, w);
     }
+    return evidence;
+}
+
+void Alignment::judge_agreement(const MotionEvidence& evidence, std::size_t i) {
     AlignedPicture& picture = pictures[i];
+    const MotionEvidence::Agreement& all = evidence.all;
     picture.correlation = all.correlation();
     picture.expected = std::sqrt(all.predicted / std::max(all.weights, 1e-30));
     picture.contrast = std::sqrt(all.squares / std::max(all.weights, 1e-30));
     const double c = std::clamp(picture.correlation, 0.05, 1.0);
     picture.model_error_px = kMisfitPx * windows_->front().reduction * std::sqrt(1 - c * c) / c *
                              std::hypot(1.0, terms_of_[i][1], terms_of_[i][2]);
-    double sum = 0, squares = 0, count = 0;
-    for (const Agreement& agreement : agreements) {
-        if (agreement.squares == 0) continue;
-        const double a = agreement.correlation();
-        sum += a, squares += a * a, count += 1;
-    }
-    const double variance = count > 1 ? (squares - sum * sum / count) / (count - 1) : 0;
-    picture.certainty = variance > 0 ? sum / std::sqrt(count * variance) : 0;
+    picture.certainty = evidence.certainty();
+}
 
+void Alignment::move(std::size_t i, MotionModel largest) {
+    const MotionEvidence evidence = evidence_of(i);
+    judge_agreement(evidence, i);
+    AlignedPicture& picture = pictures[i];
     const MotionVector so_far = motion_of(picture.homography, frame_);
-    picture.told = supported_model(cells, so_far, largest, kModelErrors * picture.model_error_px);
-    picture.last = solve_motion(cells, std::max(picture.told, std::min(least_, largest)));
-    if (picture.last.model == MotionModel::none) picture.last = solve_motion(cells, picture.told);
+    picture.told = supported_model(evidence.cells, so_far, largest, kModelErrors * picture.model_error_px);
+    picture.last = solve_motion(evidence.cells, std::max(picture.told, std::min(least_, largest)));
+    if (picture.last.model == MotionModel::none) picture.last = solve_motion(evidence.cells, picture.told);
     picture.covariance = picture.last.covariance;
 }
 

@@ -86,11 +86,33 @@ private:
         float weight = 0;
     };
 
+    // A pixel that may be looked at.
+    struct Candidate {
+        float strength;  // of its edges
+        Pixel pixel;
+    };
+    using Cell = std::vector<Candidate>;
+    // A pixel's prediction: value and gradient by the light's terms, with the factors of their equations.
+    struct PixelFit {
+        Three value{}, dx{}, dy{};
+        Small factor{};
+    };
+    // What one picture shows of its motion, cell by cell.
+    struct MotionEvidence;
+
     static Three terms_under(const glm::dvec3& light);
+    Image<float> edge_strength(const AlignmentWindow& window) const;
+    void add_candidates(std::size_t window, std::vector<Cell>& cells) const;
+    void take_strongest(std::vector<Cell>& cells, int pixels);
     void sample();
     void predict();
     void predict_pixel(std::size_t k);
+    bool fit_pixel(std::size_t k, bool robust, PixelFit& fit, std::vector<float>& deviations);
+    void find_residuals(std::size_t k, const PixelFit& fit);
+    float scale_of(std::vector<float> deviations) const;
     void add_tied_rows(std::size_t k, const Small& factor, const Three& c);
+    MotionEvidence evidence_of(std::size_t picture) const;
+    void judge_agreement(const MotionEvidence& evidence, std::size_t picture);
     void move(std::size_t picture, MotionModel largest);
     void replace_tied_part();
     void apply_steps();

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/registration/edge_field.h"
+#include "capture/registration/motion_template.h"
 #include "capture/stack/duplicate_photos.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
@@ -17,16 +17,15 @@ namespace tangi {
 
 using glm::dvec2;
 using glm::dvec4;
+using namespace motion_template;
 
 namespace {
 
 constexpr double kMoved = 0.25;  // [pixels of the reduced photographs] rms from which on a camera moved
-constexpr std::size_t kMostShakePixels = 20000;  // for four unknowns
 // [1] Standard deviation of the zoom that is expected where few edges tell it: what focusing anew changes a
 // lens's magnification by is of this order.
 constexpr double kZoomSigma = 0.01;
-constexpr float kClear = 0.02f;  // [1 per pixel] mean edge that is worth following
-constexpr int kTurns = 3;        // of the template, at most
+constexpr int kTurns = 3;  // of the template, at most
 // [standard deviations of chance] by which the median photograph agrees with the others, for a photograph to
 // be missed that does so by a quarter of it: a rock among grey spheres of which all of the background is
 // alike has 1.8 of 9.8, the least of any photograph of canvas, coin, door, fresco, icon and leaf 12.7
@@ -35,118 +34,47 @@ constexpr double kBeyondChance = 5, kAsMuchByChance = 0.25;
 constexpr int kElsewhere = 24;     // places where a photograph is laid to see what chance makes
 constexpr double kSettled = 0.01;  // [pixels] change of every drift below which another turn is no use
 
-struct Directions {  // cosine and sine of twice the edge's direction, times its strength
-    cv::Mat cosine, sine;
+// Normal equations of what the template moves by, robustly.
+struct DriftEquations {
+    glm::dmat4 normal{0};
+    dvec4 right{0};
+    double residuals = 0;  // sum of weighted squares
 };
 
-Directions directions_of(const Image<float>& photo, float step, double blur) {
-    const EdgeField field = edge_field({&photo, 1}, step);
-    Directions d{cv::Mat(photo.height(), photo.width(), CV_32F),
-                 cv::Mat(photo.height(), photo.width(), CV_32F)};
-    for (int y = 0; y < photo.height(); ++y)
-        for (int x = 0; x < photo.width(); ++x) {
-            d.cosine.at<float>(y, x) = field.tensor(x, y).x - field.tensor(x, y).z;
-            d.sine.at<float>(y, x) = 2 * field.tensor(x, y).y;
+DriftEquations drift_equations(const Directions& photo, const std::vector<TemplatePixel>& pixels,
+                               const ToPhoto& to_photo) {
+    // The photograph's edges may be stronger or weaker as a whole.
+    double cross = 0, square = 0;
+    std::vector<float> values(2 * pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const dvec2 p = to_photo({pixels[i].x, pixels[i].y});
+        values[2 * i] = sample(photo.cosine, p.x, p.y);
+        values[2 * i + 1] = sample(photo.sine, p.x, p.y);
+        for (std::size_t c = 0; c < 2; ++c) {
+            cross += static_cast<double>(values[2 * i + c]) * pixels[i].value[c];
+            square += static_cast<double>(pixels[i].value[c]) * pixels[i].value[c];
         }
-    for (cv::Mat* m : {&d.cosine, &d.sine}) cv::GaussianBlur(*m, *m, {}, blur, blur, cv::BORDER_REPLICATE);
-    return d;
-}
-
-float sample(const cv::Mat& m, double x, double y) {
-    const int x0 = std::clamp(static_cast<int>(x), 0, m.cols - 2),
-              y0 = std::clamp(static_cast<int>(y), 0, m.rows - 2);
-    const float u = std::clamp(static_cast<float>(x) - static_cast<float>(x0), 0.0f, 1.0f);
-    const float v = std::clamp(static_cast<float>(y) - static_cast<float>(y0), 0.0f, 1.0f);
-    const float *a = m.ptr<float>(y0) + x0, *b = m.ptr<float>(y0 + 1) + x0;
-    return (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
-}
-
-// The template's clearest pixels, with the derivatives of its values by shift, roll and zoom.
-struct TemplatePixel {
-    float x, y, value[2];
-    dvec4 slope[2];
-};
-
-std::vector<TemplatePixel> template_pixels(const Directions& mean, const dvec2& centre) {
-    std::vector<std::pair<float, cv::Point>> clear;
-    constexpr int edge = 6;
-    for (int y = edge; y < mean.cosine.rows - edge; ++y)
-        for (int x = edge; x < mean.cosine.cols - edge; ++x) {
-            const float strength = std::hypot(mean.cosine.at<float>(y, x), mean.sine.at<float>(y, x));
-            if (strength > kClear) clear.push_back({strength, {x, y}});
+    }
+    const double scale = std::max(cross / std::max(square, 1e-12), 0.05);
+    DriftEquations equations;
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        for (std::size_t c = 0; c < 2; ++c) {
+            const double r = values[2 * i + c] - scale * pixels[i].value[c];
+            const double weight = 1 / (1 + r * r / (0.03 * 0.03));
+            const dvec4 slope = scale * pixels[i].slope[c];
+            equations.normal += weight * glm::outerProduct(slope, slope);
+            equations.right += weight * r * slope;
+            equations.residuals += weight * r * r;
         }
-    if (clear.size() > kMostShakePixels) {
-        std::nth_element(clear.begin(), clear.begin() + static_cast<std::ptrdiff_t>(kMostShakePixels),
-                         clear.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-        clear.resize(kMostShakePixels);
-    }
-    std::vector<TemplatePixel> pixels;
-    for (const auto& [strength, at] : clear) {
-        TemplatePixel pixel{static_cast<float>(at.x), static_cast<float>(at.y), {}, {}};
-        const cv::Mat* channels[2] = {&mean.cosine, &mean.sine};
-        for (int c = 0; c < 2; ++c) {
-            const cv::Mat& m = *channels[c];
-            const double gx = (m.at<float>(at.y, at.x + 1) - m.at<float>(at.y, at.x - 1)) / 2.0;
-            const double gy = (m.at<float>(at.y + 1, at.x) - m.at<float>(at.y - 1, at.x)) / 2.0;
-            pixel.value[c] = m.at<float>(at.y, at.x);
-            const dvec2 d = dvec2(at.x, at.y) - centre;
-            pixel.slope[c] = {gx, gy, gy * d.x - gx * d.y, gx * d.x + gy * d.y};
-        }
-        pixels.push_back(pixel);
-    }
-    return pixels;
+    return equations;
 }
-
-// CameraMotion::to_photo() for many pixels.
-class ToPhoto {
-public:
-    ToPhoto(const CameraMotion& drift, const dvec2& centre)
-        : cosine_(drift.zoom * std::cos(drift.roll_rad)),
-          sine_(drift.zoom * std::sin(drift.roll_rad)),
-          centre_(centre),
-          target_(centre + drift.shift_px) {}
-
-    dvec2 operator()(const dvec2& pixel) const {
-        const dvec2 d = pixel - centre_;
-        return target_ + dvec2(cosine_ * d.x - sine_ * d.y, sine_ * d.x + cosine_ * d.y);
-    }
-
-private:
-    double cosine_, sine_;
-    dvec2 centre_, target_;
-};
 
 // Moves `drift` until the photograph agrees best with the template; its zoom only where it may.
 void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, const dvec2& centre,
             bool zooms, CameraMotion& drift) {
+    const double span = std::max(centre.x, centre.y);
     for (int iteration = 0; iteration < 15; ++iteration) {
-        // The photograph's edges may be stronger or weaker as a whole.
-        double cross = 0, square = 0;
-        std::vector<float> values(2 * pixels.size());
-        const ToPhoto to_photo(drift, centre);
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-            const dvec2 p = to_photo({pixels[i].x, pixels[i].y});
-            values[2 * i] = sample(photo.cosine, p.x, p.y);
-            values[2 * i + 1] = sample(photo.sine, p.x, p.y);
-            for (std::size_t c = 0; c < 2; ++c) {
-                cross += static_cast<double>(values[2 * i + c]) * pixels[i].value[c];
-                square += static_cast<double>(pixels[i].value[c]) * pixels[i].value[c];
-            }
-        }
-        const double scale = std::max(cross / std::max(square, 1e-12), 0.05);
-        glm::dmat4 normal(0);
-        dvec4 right(0);
-        double residuals = 0;
-        for (std::size_t i = 0; i < pixels.size(); ++i)
-            for (std::size_t c = 0; c < 2; ++c) {
-                const double r = values[2 * i + c] - scale * pixels[i].value[c];
-                const double weight = 1 / (1 + r * r / (0.03 * 0.03));
-                const dvec4 slope = scale * pixels[i].slope[c];
-                normal += weight * glm::outerProduct(slope, slope);
-                right += weight * r * slope;
-                residuals += weight * r * r;
-            }
-        const double span = std::max(centre.x, centre.y);
+        auto [normal, right, residuals] = drift_equations(photo, pixels, ToPhoto(drift, centre));
         for (int k = 0; k < 4; ++k) normal[k][k] *= 1 + 1e-9;
         if (!(glm::determinant(glm::dmat3(normal)) > 1e-12 * span * span)) return;
         // Neighbouring pixels are not independent: the blur makes about ten of them one.
@@ -167,26 +95,6 @@ void follow(const Directions& photo, const std::vector<TemplatePixel>& pixels, c
         if (glm::length(dvec2(step)) < 1e-3 && std::max(std::abs(step.z), std::abs(step.w)) * span < 1e-3)
             break;
     }
-}
-
-Directions mean_of(const std::vector<Directions>& all, const std::vector<CameraMotion>& drifts,
-                   const dvec2& centre) {
-    Directions mean{cv::Mat::zeros(all[0].cosine.size(), CV_32F),
-                    cv::Mat::zeros(all[0].cosine.size(), CV_32F)};
-    parallel_for(0, mean.cosine.rows, 8, [&](int begin, int end) {
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            const ToPhoto to_photo(drifts[i], centre);
-            for (int y = begin; y < end; ++y)
-                for (int x = 0; x < mean.cosine.cols; ++x) {
-                    const dvec2 p = to_photo(dvec2(x, y));
-                    mean.cosine.at<float>(y, x) +=
-                        sample(all[i].cosine, p.x, p.y) / static_cast<float>(all.size());
-                    mean.sine.at<float>(y, x) +=
-                        sample(all[i].sine, p.x, p.y) / static_cast<float>(all.size());
-                }
-        }
-    });
-    return mean;
 }
 
 // [1] Correlation of a photograph's edges with the template of `count` photographs less its own part in it,
@@ -273,6 +181,96 @@ bool zooms_by_more(const std::vector<CameraMotion>& drifts, const dvec2& centre)
     return std::sqrt(squares) > kMoved;
 }
 
+// All photographs' edges, blurred by so many pixels.
+std::vector<Directions> directions_of_all(const GreyPhotos& photos, double blur) {
+    std::vector<Directions> all(photos.mean.size());
+    parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i)
+            all[static_cast<std::size_t>(i)] =
+                directions_of(photos.mean[static_cast<std::size_t>(i)], photos.step, blur);
+    });
+    return all;
+}
+
+// Drifts from their median.
+void take_off_median(std::vector<CameraMotion>& drifts) {
+    std::vector<double> x, y, roll, zoom;
+    for (const CameraMotion& d : drifts) {
+        x.push_back(d.shift_px.x);
+        y.push_back(d.shift_px.y);
+        roll.push_back(d.roll_rad);
+        zoom.push_back(d.zoom);
+    }
+    for (CameraMotion& d : drifts) {
+        d.shift_px -= dvec2(median(x), median(y));
+        d.roll_rad -= median(roll);
+        d.zoom /= median(zoom);
+    }
+}
+
+// [pixels] The largest.
+double change_of(const std::vector<CameraMotion>& drifts, const std::vector<CameraMotion>& before,
+                 const dvec2& centre) {
+    double change = 0;
+    for (std::size_t i = 0; i < drifts.size(); ++i)
+        change = std::max(
+            change, CameraMotion{drifts[i].shift_px - before[i].shift_px,
+                                 drifts[i].roll_rad - before[i].roll_rad, drifts[i].zoom / before[i].zoom}
+                        .displacement_px(centre));
+    return change;
+}
+
+// Lays all photographs on their mean, and again on what that makes of it. `progress` from 0 to 1. False where
+// too few edges are clear.
+bool follow_all(const std::vector<Directions>& all, const dvec2& centre, bool zooms,
+                std::vector<CameraMotion>& drifts, const std::function<void(double)>& progress) {
+    for (int turn = 0; turn < kTurns; ++turn) {
+        progress(turn / static_cast<double>(kTurns));
+        const auto pixels = template_pixels(mean_of(all, drifts, centre), centre);
+        if (pixels.size() < 500) return false;
+        const std::vector<CameraMotion> before = drifts;
+        parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
+            for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+                follow(all[i], pixels, centre, zooms, drifts[i]);
+        });
+        take_off_median(drifts);
+        if (change_of(drifts, before, centre) < kSettled) break;  // another template would be the same
+    }
+    return true;
+}
+
+// Whether the camera moved, by those photographs that are not strange; what these did means nothing.
+void judge_motion(const dvec2& centre, double reduction, CameraMotions& motions) {
+    double squares = 0, counted = 0;
+    for (CameraMotion& d : motions.photos) {
+        if (d.strange) {
+            d = {.agreement = d.agreement, .strange = true};
+            continue;
+        }
+        const double displacement = d.displacement_px(centre);
+        squares += displacement * displacement;
+        ++counted;
+    }
+    squares /= std::max(counted, 1.0);
+    motions.moved = std::sqrt(squares) > kMoved;
+    motions.rms_px = std::sqrt(squares) * reduction;
+}
+
+// The first photograph's frame becomes the common one: a pixel goes there, then to the photograph. In pixels
+// of whole photographs; their centre is the reduced picture's but for half a pixel.
+void refer_to_first(const dvec2& centre, double reduction, CameraMotions& motions) {
+    const CameraMotion reference = motions.photos.front();
+    for (CameraMotion& d : motions.photos) {
+        const dvec2 middle = d.to_photo(reference.to_common(centre, centre), centre);
+        d.roll_rad -= reference.roll_rad;
+        d.zoom /= reference.zoom;
+        d.shift_px = middle - centre;
+        if (!motions.moved) d.shift_px = {0, 0}, d.roll_rad = 0, d.zoom = 1;
+        d.shift_px *= reduction;
+        d.sigma_px *= reduction;
+    }
+}
+
 }  // namespace
 
 dvec2 CameraMotion::to_photo(const dvec2& pixel, const dvec2& centre) const {
@@ -298,76 +296,21 @@ CameraMotions find_camera_motions(const GreyPhotos& photos, const Progress& prog
     const Image<float>& first = photos.mean.front();
     if (count < 2 || first.width() < 32 || first.height() < 32) return result;
     const dvec2 centre((first.width() - 1) / 2.0, (first.height() - 1) / 2.0);
-    bool zooms = true;
-    for (const double blur : {3.0, 1.0}) {  // from coarse to fine
-        std::vector<Directions> all(count);
-        parallel_for(0, static_cast<int>(count), 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i)
-                all[static_cast<std::size_t>(i)] =
-                    directions_of(photos.mean[static_cast<std::size_t>(i)], photos.step, blur);
-        });
-        for (int turn = 0; turn < kTurns; ++turn) {
-            report(progress, "drift", (turn + (blur > 2 ? 0 : kTurns)) / (2.0 * kTurns));
-            const auto pixels = template_pixels(mean_of(all, result.photos, centre), centre);
-            if (pixels.size() < 500) return {.photos = std::vector<CameraMotion>(count)};
-            const std::vector<CameraMotion> before = result.photos;
-            parallel_for(0, static_cast<int>(count), 1, [&](int begin, int end) {
-                for (int i = begin; i < end; ++i)
-                    follow(all[static_cast<std::size_t>(i)], pixels, centre, zooms,
-                           result.photos[static_cast<std::size_t>(i)]);
-            });
-            std::vector<double> x, y, roll, zoom;
-            for (const CameraMotion& d : result.photos) {
-                x.push_back(d.shift_px.x);
-                y.push_back(d.shift_px.y);
-                roll.push_back(d.roll_rad);
-                zoom.push_back(d.zoom);
-            }
-            for (CameraMotion& d : result.photos) {
-                d.shift_px -= dvec2(median(x), median(y));
-                d.roll_rad -= median(roll);
-                d.zoom /= median(zoom);
-            }
-            double change = 0;
-            for (std::size_t i = 0; i < count; ++i)
-                change = std::max(change, CameraMotion{result.photos[i].shift_px - before[i].shift_px,
-                                                       result.photos[i].roll_rad - before[i].roll_rad,
-                                                       result.photos[i].zoom / before[i].zoom}
-                                              .displacement_px(centre));
-            if (change < kSettled) break;  // another template would be the same
-        }
-        if (blur > 2 && !zooms_by_more(result.photos, centre)) {
-            zooms = false;
-            for (CameraMotion& d : result.photos) d.zoom = 1;
-        }
-        if (blur < 2)
-            find_strange(all, template_pixels(mean_of(all, result.photos, centre), centre), centre,
-                         result.photos);
-    }
-    double squares = 0, counted = 0;
-    for (CameraMotion& d : result.photos) {
-        if (d.strange) {
-            d = {.agreement = d.agreement, .strange = true};
-            continue;
-        }
-        const double displacement = d.displacement_px(centre);
-        squares += displacement * displacement;
-        ++counted;
-    }
-    squares /= std::max(counted, 1.0);
-    result.moved = std::sqrt(squares) > kMoved;
-    result.rms_px = std::sqrt(squares) * photos.reduction;
-    // The first photograph's frame is the common one: a pixel goes there, then to the photograph.
-    const CameraMotion reference = result.photos.front();
-    for (CameraMotion& d : result.photos) {
-        const dvec2 middle = d.to_photo(reference.to_common(centre, centre), centre);
-        d.roll_rad -= reference.roll_rad;
-        d.zoom /= reference.zoom;
-        d.shift_px = middle - centre;
-        if (!result.moved) d.shift_px = {0, 0}, d.roll_rad = 0, d.zoom = 1;
-        d.shift_px *= photos.reduction;  // the reduced picture's centre is the picture's but for half a pixel
-        d.sigma_px *= photos.reduction;
-    }
+    const auto shown = [&](double from) {
+        return [&progress, from](double part) { report(progress, "drift", from + part / 2); };
+    };
+    // From coarse to fine.
+    if (!follow_all(directions_of_all(photos, 3), centre, true, result.photos, shown(0)))
+        return {.photos = std::vector<CameraMotion>(count)};
+    const bool zooms = zooms_by_more(result.photos, centre);
+    if (!zooms)
+        for (CameraMotion& d : result.photos) d.zoom = 1;
+    const std::vector<Directions> fine = directions_of_all(photos, 1);
+    if (!follow_all(fine, centre, zooms, result.photos, shown(0.5)))
+        return {.photos = std::vector<CameraMotion>(count)};
+    find_strange(fine, template_pixels(mean_of(fine, result.photos, centre), centre), centre, result.photos);
+    judge_motion(centre, photos.reduction, result);
+    refer_to_first(centre, photos.reduction, result);
     report(progress, "drift", 1);
     return result;
 }

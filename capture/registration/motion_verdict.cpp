@@ -100,76 +100,117 @@ bool was_found(const AlignedPicture& picture) {
            picture.last.model != MotionModel::none;
 }
 
-Registration camera_motions(const AlignedStack& stack, const Alignment& alignment) {
-    const std::size_t count = stack.photos.size();
-    std::vector<bool> found, counted;
-    std::vector<double> errors, drifts;
-    for (std::size_t i = 0; i < count; ++i) {
-        found.push_back(was_found(alignment.pictures[i]));
-        counted.push_back(found[i] && stack.in_model[i]);
-        if (counted[i]) errors.push_back(own_error_px(alignment.pictures[i]));
+namespace {
+
+// Whether the camera moved, and what of the photographs' motions is the camera's.
+class MotionVerdict {
+public:
+    MotionVerdict(const AlignedStack& stack, const Alignment& alignment);
+    Registration registration() const;
+
+private:
+    bool jumped(std::size_t i) const {
+        return alignment_.pictures[i].correlation > kTrustedAlone &&
+               rms_displacement(rest_.from_middle(i)) >
+                   std::max({kJumpPx, flat_, kJumpScales * rest_.typical_px,
+                             kJumpErrors * own_error_px(alignment_.pictures[i])});
     }
-    const Rest rest = rest_of(stack, alignment, counted);
-    const SharedShading& shading = rest.shading;
-    const double flat = stack.fitted < Alignment::kEnoughForRelief ? kFlatErrorPx : 0;
-    const bool all_moved =
-        rest.typical_px > std::max({kMovedPx, flat, kMovedErrors * median(std::move(errors))});
-    const bool shading_is_motion = all_moved && !shading.exceeds_motion;
-    const auto jumped = [&](std::size_t i) {
-        return alignment.pictures[i].correlation > kTrustedAlone &&
-               rms_displacement(rest.from_middle(i)) >
-                   std::max({kJumpPx, flat, kJumpScales * rest.typical_px,
-                             kJumpErrors * own_error_px(alignment.pictures[i])});
-    };
+    std::size_t find_reference() const;
+    Homography without_shading(std::size_t i) const {
+        Homography h = alignment_.pictures[i].homography;
+        if (!shading_is_motion_)
+            h = h * homography_of({-rest_.shading.of_photo[i].x, -rest_.shading.of_photo[i].y}, stack_.frame);
+        return h;
+    }
+    // `back`: to the reference frame.
+    PhotoDrift drift_of(std::size_t i, const Homography& back) const;
+
+    const AlignedStack& stack_;
+    const Alignment& alignment_;
+    std::vector<bool> found_, counted_;
+    const double flat_;  // [pixels] error with too few photographs to tell relief from motion
+    Rest rest_;
+    bool all_moved_ = false;
+    bool shading_is_motion_ = false;  // shifts that go with the light are the camera's as well
+    std::size_t reference_ = 0;
+};
+
+MotionVerdict::MotionVerdict(const AlignedStack& stack, const Alignment& alignment)
+    : stack_(stack),
+      alignment_(alignment),
+      flat_(stack.fitted < Alignment::kEnoughForRelief ? kFlatErrorPx : 0) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < stack.photos.size(); ++i) {
+        found_.push_back(was_found(alignment.pictures[i]));
+        counted_.push_back(found_[i] && stack.in_model[i]);
+        if (counted_[i]) errors.push_back(own_error_px(alignment.pictures[i]));
+    }
+    rest_ = rest_of(stack, alignment, counted_);
+    all_moved_ = rest_.typical_px > std::max({kMovedPx, flat_, kMovedErrors * median(std::move(errors))});
+    shading_is_motion_ = all_moved_ && !rest_.shading.exceeds_motion;
+    reference_ = find_reference();
+}
+
+// The first photograph, by path, that was found for sure and did not jump.
+std::size_t MotionVerdict::find_reference() const {
+    const std::size_t count = stack_.photos.size();
     std::vector<double> correlations;
     for (std::size_t i = 0; i < count; ++i)
-        if (found[i]) correlations.push_back(alignment.pictures[i].correlation);
+        if (found_[i]) correlations.push_back(alignment_.pictures[i].correlation);
     const double least = median(std::move(correlations)) / 2;  // less may be there by chance
     std::size_t reference = count;
     for (std::size_t i = 0; i < count; ++i)
-        if (found[i] && alignment.pictures[i].correlation >= least && (all_moved || !jumped(i)) &&
-            (reference == count || stack.photos[i]->path < stack.photos[reference]->path))
+        if (found_[i] && alignment_.pictures[i].correlation >= least && (all_moved_ || !jumped(i)) &&
+            (reference == count || stack_.photos[i]->path < stack_.photos[reference]->path))
             reference = i;
-    if (reference == count) reference = 0;
+    return reference == count ? 0 : reference;
+}
 
+PhotoDrift MotionVerdict::drift_of(std::size_t i, const Homography& back) const {
+    const AlignedPicture& picture = alignment_.pictures[i];
+    const double of_reference = all_moved_ ? own_error_px(alignment_.pictures[reference_]) : 0;
+    PhotoDrift d;
+    d.name = stack_.photos[i]->light.name;
+    d.registered = found_[i];
+    d.correlation = picture.correlation;
+    d.model = picture.last.model;
+    if (stack_.lights[i] != glm::dvec3(stack_.photos[i]->light.direction))
+        d.per_photo_light = stack_.lights[i];
+    d.homography = normalised(without_shading(i) * back);
+    if (all_moved_ && i == reference_) d.homography = Homography(1);
+    d.drift_px = rms_displacement(motion_of(d.homography, stack_.frame));
+    d.error_px = std::hypot(own_error_px(picture), of_reference, flat_);
+    // In a stack that stood still, what is left is the error.
+    if (!all_moved_) d.error_px = std::hypot(d.error_px, rest_.typical_px);
+    d.warped = i != reference_ && found_[i] && d.drift_px > d.error_px && (all_moved_ || jumped(i));
+    // Shared by all photographs alike, it is no reason to leave one of them as it is.
+    if (shading_is_motion_)
+        d.error_px = std::hypot(d.error_px, tied_error_px(stack_, alignment_, i, reference_));
+    return d;
+}
+
+Registration MotionVerdict::registration() const {
     Registration result;
-    result.reference = stack.photos[reference]->light.name;
-    result.shading_px = shading_is_motion ? 0 : shading.rms_px;
-    const auto without_shading = [&](std::size_t i) {
-        Homography h = alignment.pictures[i].homography;
-        if (!shading_is_motion)
-            h = h * homography_of({-shading.of_photo[i].x, -shading.of_photo[i].y}, stack.frame);
-        return h;
-    };
+    result.reference = stack_.photos[reference_]->light.name;
+    result.shading_px = shading_is_motion_ ? 0 : rest_.shading.rms_px;
     // Where the camera stood still but for jumps, it is where it stood that counts, not one photograph.
     const Homography back =
-        glm::inverse(all_moved ? without_shading(reference) : homography_of(rest.middle, stack.frame));
-    const double of_reference = all_moved ? own_error_px(alignment.pictures[reference]) : 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const AlignedPicture& picture = alignment.pictures[i];
-        PhotoDrift d;
-        d.name = stack.photos[i]->light.name;
-        d.registered = found[i];
-        d.correlation = picture.correlation;
-        d.model = picture.last.model;
-        if (stack.lights[i] != glm::dvec3(stack.photos[i]->light.direction))
-            d.per_photo_light = stack.lights[i];
-        d.homography = normalised(without_shading(i) * back);
-        if (all_moved && i == reference) d.homography = Homography(1);
-        d.drift_px = rms_displacement(motion_of(d.homography, stack.frame));
-        d.error_px = std::hypot(own_error_px(picture), of_reference, flat);
-        // In a stack that stood still, what is left is the error.
-        if (!all_moved) d.error_px = std::hypot(d.error_px, rest.typical_px);
-        d.warped = i != reference && found[i] && d.drift_px > d.error_px && (all_moved || jumped(i));
-        // Shared by all photographs alike, it is no reason to leave one of them as it is.
-        if (shading_is_motion)
-            d.error_px = std::hypot(d.error_px, tied_error_px(stack, alignment, i, reference));
-        if (found[i]) drifts.push_back(d.drift_px);
+        glm::inverse(all_moved_ ? without_shading(reference_) : homography_of(rest_.middle, stack_.frame));
+    std::vector<double> drifts;
+    for (std::size_t i = 0; i < stack_.photos.size(); ++i) {
+        PhotoDrift d = drift_of(i, back);
+        if (found_[i]) drifts.push_back(d.drift_px);
         result.moved = result.moved || d.warped;
-        (i < stack.fitted ? result.photos : result.held_out).push_back(std::move(d));
+        (i < stack_.fitted ? result.photos : result.held_out).push_back(std::move(d));
     }
     result.typical_drift_px = median(std::move(drifts));
     return result;
+}
+
+}  // namespace
+
+Registration camera_motions(const AlignedStack& stack, const Alignment& alignment) {
+    return MotionVerdict(stack, alignment).registration();
 }
 
 std::vector<bool> showing_something_else(const AlignedStack& stack, const Alignment& alignment) {
