@@ -35,14 +35,11 @@ struct DiffuseSphere {
 
 // Finds the sphere where it is given, or else the circle in the picture whose shading fits best. Throws Error
 // where there is none.
-DiffuseSphere find_diffuse_sphere(const PhotoSet& set, const GreyPhotos& photos, const CameraMotions& drifts,
-                                  const SphereCamera& camera, std::span<const GivenSphere> given,
-                                  const std::optional<Transfer>& transfer, const Progress& progress = {});
+DiffuseSphere find_diffuse_sphere(const SphereScene& scene, const std::optional<Transfer>& transfer,
+                                  const Progress& progress = {});
 
 // As find_diffuse_sphere(), where its shading and outline leave no doubt; nothing else.
-std::optional<DiffuseSphere> clear_diffuse_sphere(const PhotoSet& set, const GreyPhotos& photos,
-                                                  const CameraMotions& drifts, const SphereCamera& camera,
-                                                  std::span<const GivenSphere> given,
+std::optional<DiffuseSphere> clear_diffuse_sphere(const SphereScene& scene,
                                                   const std::optional<Transfer>& transfer);
 
 }  // namespace tangi

@@ -49,7 +49,7 @@ SphereCamera camera_of(const SphereCalibrationOptions& options, int width, int h
 std::string matt_hint(const SphereCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
                       const SphereCalibrationOptions& options) {
     const std::optional<DiffuseSphere> matt =
-        clear_diffuse_sphere(set, photos, c.drifts, c.camera, options.spheres, options.transfer);
+        clear_diffuse_sphere({set, photos, c.drifts, c.camera, options.spheres}, options.transfer);
     if (!matt) return {};
     const SphereImage& at = matt->sphere.image;
     return fmt::format(
@@ -63,7 +63,7 @@ std::string matt_hint(const SphereCalibration& c, const PhotoSet& set, const Gre
 SphereSearch find_spheres(SphereCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
                           const SphereCalibrationOptions& options, const Progress& progress) {
     try {
-        return find_mirror_spheres(set, photos, c.drifts, c.camera, options.spheres,
+        return find_mirror_spheres({set, photos, c.drifts, c.camera, options.spheres},
                                    expected_radius_px(options, c.width, c.height), progress);
     } catch (const NoSphereError& error) {
         throw NoSphereError(error.what() + matt_hint(c, set, photos, options));
@@ -128,7 +128,7 @@ std::vector<std::optional<MattShading>> shaded_without(const Lens& lens, const D
 void calibrate_diffuse(SphereCalibration& c, const PhotoSet& set, const GreyPhotos& photos,
                        const SphereCalibrationOptions& options, const Progress& progress) {
     DiffuseSphere matt =
-        find_diffuse_sphere(set, photos, c.drifts, c.camera, options.spheres, options.transfer, progress);
+        find_diffuse_sphere({set, photos, c.drifts, c.camera, options.spheres}, options.transfer, progress);
     c.method = "diffuse sphere";
     c.matt_transfer = matt.transfer;
     c.warnings.insert(c.warnings.end(), matt.warnings.begin(), matt.warnings.end());

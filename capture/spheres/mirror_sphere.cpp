@@ -224,14 +224,13 @@ namespace {
 // Spheres of a stack, as they are found.
 class SphereFinder {
 public:
-    SphereFinder(const PhotoSet& set, const GreyPhotos& photos, const CameraMotions& drifts,
-                 const SphereCamera& camera, const Progress& progress)
-        : set_(set),
-          photos_(photos),
-          drifts_(drifts),
-          camera_(camera),
+    SphereFinder(const SphereScene& scene, const Progress& progress)
+        : set_(scene.set),
+          photos_(scene.photos),
+          drifts_(scene.drifts),
+          camera_(scene.camera),
           progress_(progress),
-          field_(edge_field(photos.mean, photos.step)) {}
+          field_(edge_field(photos_.mean, photos_.step)) {}
 
     void find_given(std::span<const GivenSphere> given) {
         const std::vector<SphereCandidate> candidates =
@@ -329,11 +328,11 @@ void SphereFinder::add_twins(const std::vector<SphereImage>& known) {
 
 }  // namespace
 
-SphereSearch find_mirror_spheres(const PhotoSet& set, const GreyPhotos& photos, const CameraMotions& drifts,
-                                 const SphereCamera& camera, std::span<const GivenSphere> given,
-                                 const std::optional<double>& expected_px, const Progress& progress) {
+SphereSearch find_mirror_spheres(const SphereScene& scene, const std::optional<double>& expected_px,
+                                 const Progress& progress) {
+    const std::span<const GivenSphere> given = scene.given;
     report(progress, "find spheres", 0);
-    SphereFinder finder(set, photos, drifts, camera, progress);
+    SphereFinder finder(scene, progress);
     report(progress, "find spheres", 0.5);
     if (given.empty())
         finder.find(expected_px);
@@ -348,7 +347,7 @@ SphereSearch find_mirror_spheres(const PhotoSet& set, const GreyPhotos& photos, 
             "{}: no mirror sphere found in the {} photographs.{} {} --uncalibrated: lights from the "
             "photographs of a "
             "nearly flat object alone",
-            set.folder().string(), set.size(), tried,
+            scene.set.folder().string(), scene.set.size(), tried,
             given.empty() ? "Give spheres with --sphere X,Y,R (pixels from the top left), or add"
                           : "If there is none, leave out --sphere and add");
         if (given.empty()) throw NoSphereError(message);

@@ -44,6 +44,15 @@ public:
     using Error::Error;
 };
 
+// Where spheres are sought.
+struct SphereScene {
+    const PhotoSet& set;
+    const GreyPhotos& photos;     // of the set
+    const CameraMotions& drifts;  // of these
+    const SphereCamera& camera;
+    std::span<const GivenSphere> given;  // where the user says that they are; empty: anywhere
+};
+
 struct SphereSearch {
     std::vector<FoundSphere> spheres;  // from top to bottom
     std::vector<std::string> warnings, poor;
@@ -55,9 +64,7 @@ struct SphereSearch {
 // shows few, unless it has the first one's size and shows the same lights. Spheres given by the user are
 // sought only where they are given; one that is not there is left out with a warning, and Error says so where
 // no sphere is left. Without given spheres, no sphere at all is an Error too.
-SphereSearch find_mirror_spheres(const PhotoSet& set, const GreyPhotos& photos, const CameraMotions& drifts,
-                                 const SphereCamera& camera, std::span<const GivenSphere> given,
-                                 const std::optional<double>& expected_px = {},
+SphereSearch find_mirror_spheres(const SphereScene& scene, const std::optional<double>& expected_px = {},
                                  const Progress& progress = {});
 
 // Outline and highlights once more, for a camera that is known by now.
