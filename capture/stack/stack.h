@@ -164,8 +164,12 @@ private:
         std::vector<float> values;  // as stored, interleaved
     };
     const float* rows_of(std::size_t photo, int y0, int y1);
+    class Placement;
+    void take_transfer(const Transfer& transfer);
     template <class Decode>
     void resample(std::size_t photo, const Decode& decode, Band& band);
+    template <class Decode>
+    void read_photo(std::size_t photo, const Decode& decode, std::vector<float>& stored, Band& band);
 
     const Stack& stack_;
     std::vector<PhotoSource> files_;

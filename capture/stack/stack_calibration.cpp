@@ -241,6 +241,66 @@ std::string in_words(const LightAxes& axes) {
     return fmt::format("{}x,{}y,z", axes.flip_x ? "-" : "", axes.flip_y ? "-" : "");
 }
 
+namespace {
+
+// Positions in mm must be that, and need to know how large a pixel is.
+void require_positions(const fs::path& folder, const StackCalibration& read,
+                       const std::optional<CaptureFile>& capture) {
+    if (are_directions(read.lights))
+        fail("{}: its vectors are all of length 1: directions, not positions in mm; leave out --lights-mm",
+             read.lights_path.string());
+    if (!(capture && capture->mm_per_pixel))
+        fail(
+            "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "
+            "--out scale.json --no-spheres --ppi …, --scale-bar, --marker-mm or --corners) and give "
+            "--capture "
+            "scale.json",
+            read.lights_path.string(), folder.string());
+}
+
+// A lights file, with what a capture file beside it says of all but the lights.
+StackCalibration read_beside(const fs::path& folder, const fs::path& lights_path, const StackOptions& options,
+                             const LightAxes& axes, std::optional<CaptureFile> capture) {
+    StackCalibration read = read_lights(lights_path, options.lights_in_mm, axes);
+    if (options.lights_in_mm) require_positions(folder, read, capture);
+    if (!capture) return read;
+    if (!options.lights_in_mm) read.lights = directions_of(read.lights);
+    capture->lights = read.lights;
+    read.warnings.insert(read.warnings.end(), capture->warnings.begin(), capture->warnings.end());
+    for (const std::string& reason : capture->poor)  // of the file beside the lights, or of another one
+        if (std::find(read.poor.begin(), read.poor.end(), reason) == read.poor.end())
+            read.poor.push_back(reason);
+    read.capture = std::move(capture);
+    read.capture_path = *options.capture_file;
+    read.picture_width_mm.reset();
+    return read;
+}
+
+// A capture file that has the lights, too.
+StackCalibration read_capture(const fs::path& path, const StackOptions& options, const LightAxes& axes,
+                              std::optional<CaptureFile> capture) {
+    if (options.lights_in_mm) refuse_lights_in_mm(path);
+    if (axes.differ()) refuse_axes(path);
+    if (capture && path != *options.capture_file)
+        fail("{} and {}: give one capture file, and a lights file (.lp) beside it", path.string(),
+             options.capture_file->string());
+    if (!capture) capture = read_capture_file(path);
+    if (capture->lights.empty())
+        fail("{0}: holds no light; give a lights file beside it: --lights FILE.lp --capture {0}",
+             path.string());
+    StackCalibration read;
+    read.lights = capture->lights;
+    read.lights_path = path;
+    read.direction_sigma_deg = capture->direction_sigma_deg;
+    read.warnings = capture->warnings;
+    read.poor = capture->poor;
+    read.capture_path = path;
+    read.capture = std::move(capture);
+    return read;
+}
+
+}  // namespace
+
 StackCalibration read_stack_calibration(const fs::path& folder, const StackOptions& options,
                                         const LightAxes& axes) {
     std::optional<CaptureFile> capture;
@@ -250,49 +310,9 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         lights_path = *options.lights_file;
     else
         lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
-    if (lower_extension(lights_path) != ".json") {
-        StackCalibration read = read_lights(lights_path, options.lights_in_mm, axes);
-        if (options.lights_in_mm && are_directions(read.lights))
-            fail(
-                "{}: its vectors are all of length 1: directions, not positions in mm; leave out --lights-mm",
-                lights_path.string());
-        if (options.lights_in_mm && !(capture && capture->mm_per_pixel))
-            fail(
-                "{}: positions in mm need to know how large a pixel is; measure it (tangipaint calibrate {} "
-                "--out scale.json --no-spheres --ppi …, --scale-bar, --marker-mm or --corners) and give "
-                "--capture "
-                "scale.json",
-                lights_path.string(), folder.string());
-        if (!capture) return read;
-        if (!options.lights_in_mm) read.lights = directions_of(read.lights);
-        capture->lights = read.lights;
-        read.warnings.insert(read.warnings.end(), capture->warnings.begin(), capture->warnings.end());
-        for (const std::string& reason : capture->poor)  // of the file beside the lights, or of another one
-            if (std::find(read.poor.begin(), read.poor.end(), reason) == read.poor.end())
-                read.poor.push_back(reason);
-        read.capture = std::move(capture);
-        read.capture_path = *options.capture_file;
-        read.picture_width_mm.reset();
-        return read;
-    }
-    if (options.lights_in_mm) refuse_lights_in_mm(lights_path);
-    if (axes.differ()) refuse_axes(lights_path);
-    if (capture && lights_path != *options.capture_file)
-        fail("{} and {}: give one capture file, and a lights file (.lp) beside it", lights_path.string(),
-             options.capture_file->string());
-    if (!capture) capture = read_capture_file(lights_path);
-    if (capture->lights.empty())
-        fail("{0}: holds no light; give a lights file beside it: --lights FILE.lp --capture {0}",
-             lights_path.string());
-    StackCalibration read;
-    read.lights = capture->lights;
-    read.lights_path = lights_path;
-    read.direction_sigma_deg = capture->direction_sigma_deg;
-    read.warnings = capture->warnings;
-    read.poor = capture->poor;
-    read.capture_path = lights_path;
-    read.capture = std::move(capture);
-    return read;
+    if (lower_extension(lights_path) != ".json")
+        return read_beside(folder, lights_path, options, axes, std::move(capture));
+    return read_capture(lights_path, options, axes, std::move(capture));
 }
 
 void apply_geometry(Stack& stack, StackCalibration& calibration) {

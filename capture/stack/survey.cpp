@@ -115,6 +115,55 @@ std::vector<int> Survey::spread(int wanted) const {
     return chosen;
 }
 
+namespace {
+
+// Sums over one row of one channel. Returns how many pixels hold nothing.
+long add_row(const float* row, int width, float clipped, Survey::Photo& photo) {
+    // In registers: neighbours of other threads' numbers are slow to write to. Some sums side by side, since
+    // one waits for its own last addition.
+    constexpr int kSums = 8;
+    double sums[kSums] = {};
+    float maximum = 0;
+    int beyond = 0, absent = 0;
+    for (int x = 0; x < width; ++x) {
+        const bool there = !std::isnan(row[x]);
+        const float value = there ? row[x] : 0.0f;
+        absent += !there;
+        sums[x % kSums] += value;
+        maximum = std::max(maximum, value);
+        beyond += value >= clipped;
+    }
+    for (const double sum : sums) photo.mean += sum;
+    count_maximum(photo, {row, static_cast<std::size_t>(width)}, maximum);
+    photo.clipped += beyond;
+    return absent;
+}
+
+// Sums over a band, by photograph; `missing` counts what holds nothing.
+void add_band(const Band& band, int width, float clipped, Survey& result, std::vector<long>& missing) {
+    parallel_for(0, band.photos(), 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            for (int c = 0; c < band.channels(); ++c)
+                for (int y = band.y0(); y < band.y1(); ++y)
+                    missing[at] += add_row(band.row(i, c, y), width, clipped, result.photos[at]);
+        }
+    });
+}
+
+// Values of the samples from `next` on that the band has.
+void take_samples(const Band& band, Survey& result, std::size_t& next) {
+    const auto values = static_cast<std::size_t>(band.photos() * band.channels());
+    for (; next < result.positions.size() && result.positions[next].y < band.y1(); ++next) {
+        float* value = &result.values[next * values];
+        for (int i = 0; i < band.photos(); ++i)
+            for (int c = 0; c < band.channels(); ++c)
+                *value++ = band.row(i, c, result.positions[next].y)[result.positions[next].x];
+    }
+}
+
+}  // namespace
+
 Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& progress,
               const std::function<void(const Band&)>& seen) {
     const int photos = static_cast<int>(stack.photos.size()), channels = stack.channels;
@@ -134,42 +183,10 @@ Survey survey(const Stack& stack, const SurveyOptions& options, const Progress& 
     std::size_t next = 0;
     for (int y0 = 0; y0 < stack.height(); y0 += rows) {
         report(progress, "survey", y0 / static_cast<double>(stack.height()));
-        const int y1 = std::min(y0 + rows, stack.height());
-        const Band band = reader.read(y0, y1, Transfer{});
+        const Band band = reader.read(y0, std::min(y0 + rows, stack.height()), Transfer{});
         if (seen) seen(band);
-        parallel_for(0, photos, 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) {
-                Survey::Photo& photo = result.photos[static_cast<std::size_t>(i)];
-                for (int c = 0; c < channels; ++c)
-                    for (int y = y0; y < y1; ++y) {
-                        // In registers: neighbours of other threads' numbers are slow to write to. Some sums
-                        // side by side, since one waits for its own last addition.
-                        constexpr int kSums = 8;
-                        double sums[kSums] = {};
-                        float maximum = 0;
-                        int beyond = 0, absent = 0;
-                        const float* row = band.row(i, c, y);
-                        for (int x = 0; x < stack.width(); ++x) {
-                            const bool there = !std::isnan(row[x]);
-                            const float value = there ? row[x] : 0.0f;
-                            absent += !there;
-                            sums[x % kSums] += value;
-                            maximum = std::max(maximum, value);
-                            beyond += value >= clipped;
-                        }
-                        for (const double sum : sums) photo.mean += sum;
-                        count_maximum(photo, {row, static_cast<std::size_t>(stack.width())}, maximum);
-                        photo.clipped += beyond;
-                        missing[static_cast<std::size_t>(i)] += absent;
-                    }
-            }
-        });
-        for (; next < result.positions.size() && result.positions[next].y < y1; ++next) {
-            float* value = &result.values[next * static_cast<std::size_t>(photos * channels)];
-            for (int i = 0; i < photos; ++i)
-                for (int c = 0; c < channels; ++c)
-                    *value++ = band.row(i, c, result.positions[next].y)[result.positions[next].x];
-        }
+        add_band(band, stack.width(), clipped, result, missing);
+        take_samples(band, result, next);
     }
     const double count = static_cast<double>(channels) * stack.width() * stack.height();
     for (std::size_t i = 0; i < result.photos.size(); ++i) {
