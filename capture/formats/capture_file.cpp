@@ -152,18 +152,23 @@ bool is_lights_file_of(const std::filesystem::path& lights, const std::filesyste
     }
 }
 
-CaptureFile read_capture_file(const std::filesystem::path& path) {
+namespace {
+
+// The whole file, with the keys of now.
+json json_of_capture(const std::filesystem::path& path) {
     const std::string file = path.string();
     if (!std::filesystem::exists(path))
         fail("{}: cannot be read; give the capture.json that tangipaint calibrate wrote", file);
     const std::string text = read_text_file(path);
     if (text.empty()) fail("{}: is empty, or no file; calibrate again", file);
-    const json whole = with_present_keys(read_json(text, file));
-    const JsonField top(file, whole, "");
+    json whole = with_present_keys(read_json(text, file));
     if (!whole.is_object() || !whole.contains("format") || whole["format"] != kFormat)
         fail("{}: is not a capture file of this program (format \"{}\")", file, kFormat);
+    return whole;
+}
 
-    CaptureFile capture;
+// Sizes, frame and camera.
+void read_camera(const JsonField& top, const std::string& file, CaptureFile& capture) {
     const JsonField photographs = top["photographs"], camera = top["camera"];
     capture.width = static_cast<int>(photographs["width"].number(1, 1e6));
     capture.height = static_cast<int>(photographs["height"].number(1, 1e6));
@@ -175,6 +180,9 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
         capture.camera_mm = Vec3(vector_in(camera["position_mm"], kFarthest_mm));
     if (capture.camera_mm && !(capture.camera_mm->z > 0))
         fail("{}: camera.position_mm is below the painting", file);
+}
+
+void read_lights(const JsonField& top, const json& whole, const std::string& file, CaptureFile& capture) {
     const std::string method = whole.contains("method") ? top["method"].text() : std::string();
     const bool by_spheres =  // "mirror balls" in version 0.1
         method.find("sphere") != std::string::npos || method.find("ball") != std::string::npos;
@@ -185,30 +193,46 @@ CaptureFile read_capture_file(const std::filesystem::path& path) {
         capture.direction_sigma_deg.push_back(direction_sigma_of(entry, by_spheres));
     }
     complete_positions(capture, file);
-    // Files of version 0.1 have neither.
-    if (whole.contains("colour") && !whole["colour"].is_null())
-        capture.colour = colour_of(top["colour"], file);
-    if (whole.contains("geometry") && !whole["geometry"].is_null()) {
-        try {
-            capture.geometry = geometry_from_json(whole["geometry"]);
-        } catch (const std::exception& error) {
-            fail("{}: geometry: {}; calibrate again", file, why_wrong_field(error));
-        }
-        if (capture.geometry->photo_width != capture.width ||
-            capture.geometry->photo_height != capture.height)
-            fail("{}: geometry.photograph_px is not the size of its photographs", file);
+}
+
+void read_geometry(const json& whole, const std::string& file, CaptureFile& capture) {
+    if (!whole.contains("geometry") || whole["geometry"].is_null()) return;  // as in files of version 0.1
+    try {
+        capture.geometry = geometry_from_json(whole["geometry"]);
+    } catch (const std::exception& error) {
+        fail("{}: geometry: {}; calibrate again", file, why_wrong_field(error));
     }
+    if (capture.geometry->photo_width != capture.width || capture.geometry->photo_height != capture.height)
+        fail("{}: geometry.photograph_px is not the size of its photographs", file);
+}
+
+void read_what_is_poor(const json& whole, const std::string& file, CaptureFile& capture) {
+    if (const json& poor = whole.value("poor", json()); poor.is_array())
+        for (const json& reason : poor)
+            if (reason.is_string())
+                capture.poor.push_back(fmt::format("{}: calibrate called it poor: {}", file,
+                                                   shortened(reason.get<std::string>(), kMostOfReason)));
+}
+
+}  // namespace
+
+CaptureFile read_capture_file(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    const json whole = json_of_capture(path);
+    const JsonField top(file, whole, "");
+    CaptureFile capture;
+    read_camera(top, file, capture);
+    read_lights(top, whole, file, capture);
+    if (whole.contains("colour") && !whole["colour"].is_null())  // files of version 0.1 have none
+        capture.colour = colour_of(top["colour"], file);
+    read_geometry(whole, file, capture);
     if (capture.colour && whole.contains("development") && whole["development"].is_object())
         for (const char* what : {"dark", "flat", "ambient", "brackets"})
             if (const json& used = whole["development"].value(what, json(nullptr)); !used.empty())
                 capture.colour->developed_with.emplace_back(what);
     if (whole.contains("scale") && !whole["scale"].is_null())
         capture.mm_per_pixel = top["scale"]["mm_per_pixel"].number(1e-6, 1e3);
-    if (const json& poor = whole.value("poor", json()); poor.is_array())
-        for (const json& reason : poor)
-            if (reason.is_string())
-                capture.poor.push_back(fmt::format("{}: calibrate called it poor: {}", file,
-                                                   shortened(reason.get<std::string>(), kMostOfReason)));
+    read_what_is_poor(whole, file, capture);
     return capture;
 }
 
