@@ -233,12 +233,11 @@ Image<Rgb> sphere_picture(const FoundSphere& sphere) {
     return picture;
 }
 
-std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& sphere_urls) {
-    const SphereCalibration& c = calibration.lights;
-    const std::optional<ColourCalibration>& colours = calibration.colours;
-    TP_REQUIRE(sphere_urls.size() == c.spheres.size(), "each sphere has a picture");
-    std::string html = page_head(kTitle);
-    html +=
+namespace {
+
+// How many lights there are, by what, and what is known of the camera.
+std::string summary_of(const SphereCalibration& c) {
+    std::string html =
         fmt::format("<p class=\"soft\">{} · camera: {}{}</p>",
                     c.calibrated() == 0 ? fmt::format("{} photographs, no lights", c.lights.size())
                                         : fmt::format("Lights of {} of {} photographs, from {}",
@@ -253,27 +252,34 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
             "times "
             "what was expected.</p>",
             c.residual_px, c.residual_sigma);
+    return html;
+}
+
+// Empty where there is nothing to note.
+std::string notes_of(const SphereCalibration& c) {
     std::vector<std::string> notes = c.poor;
     notes.insert(notes.end(), c.warnings.begin(), c.warnings.end());
-    if (!notes.empty()) {
-        html += "<h2>To note</h2><ul class=\"notes\">";
-        for (const std::string& note : notes) html += "<li>" + escaped(note) + "</li>";
-        html += "</ul>";
-    }
-    if (!c.spheres.empty() || c.calibrated() > 0) {
-        html += fmt::format("<h2>{}</h2>", c.spheres.empty() ? "Lights" : "Lights and spheres");
-        html +=
-            "<div class=\"row\"><figure class=\"card\">" + hemisphere(shown(c)) +
+    if (notes.empty()) return {};
+    std::string html = "<h2>To note</h2><ul class=\"notes\">";
+    for (const std::string& note : notes) html += "<li>" + escaped(note) + "</li>";
+    return html + "</ul>";
+}
+
+std::string lights_and_spheres(const SphereCalibration& c, const std::vector<std::string>& sphere_urls) {
+    if (c.spheres.empty() && c.calibrated() == 0) return {};
+    std::string html = fmt::format("<h2>{}</h2>", c.spheres.empty() ? "Lights" : "Lights and spheres");
+    html += "<div class=\"row\"><figure class=\"card\">" + hemisphere(shown(c)) +
             "<figcaption>Directions as the camera sees them: the middle is straight above, the rim is the "
             "painting's plane; circles are standard errors. Numbers as in the table.</figcaption></figure>";
-        for (std::size_t i = 0; i < c.spheres.size(); ++i) html += sphere_figure(c, i, sphere_urls[i]);
-        html += "</div>";
-    }
-    html += calibration.section;
-    if (calibration.plane) html += plane_section(*calibration.plane);
-    if (colours) html += colour_section(*colours);
-    html += "<h2>Photographs</h2>";
-    if (colours)
+    for (std::size_t i = 0; i < c.spheres.size(); ++i) html += sphere_figure(c, i, sphere_urls[i]);
+    return html + "</div>";
+}
+
+// How to read the table of photographs.
+std::string table_notes(const Calibration& calibration) {
+    const SphereCalibration& c = calibration.lights;
+    std::string html;
+    if (const std::optional<ColourCalibration>& colours = calibration.colours)
         html += fmt::format(
             "<p class=\"soft\">Stored as {} ({}). The light on the chart is in units of its "
             "median; its error is the chart's misfit.</p>",
@@ -284,7 +290,20 @@ std::string calibration_page(const Calibration& calibration, const std::vector<s
         html +=
             "<p class=\"soft\">Drift is from the first photograph; roll and zoom are around the picture's "
             "centre.</p>";
-    return html + table(calibration) + "</main></body></html>\n";
+    return html;
+}
+
+}  // namespace
+
+std::string calibration_page(const Calibration& calibration, const std::vector<std::string>& sphere_urls) {
+    const SphereCalibration& c = calibration.lights;
+    TP_REQUIRE(sphere_urls.size() == c.spheres.size(), "each sphere has a picture");
+    std::string html = page_head(kTitle) + summary_of(c) + notes_of(c) + lights_and_spheres(c, sphere_urls) +
+                       calibration.section;
+    if (calibration.plane) html += plane_section(*calibration.plane);
+    if (calibration.colours) html += colour_section(*calibration.colours);
+    return html + "<h2>Photographs</h2>" + table_notes(calibration) + table(calibration) +
+           "</main></body></html>\n";
 }
 
 nlohmann::json to_json(const Calibration& calibration) {

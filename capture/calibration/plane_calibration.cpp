@@ -11,14 +11,12 @@
 #include "capture/geometry/scale_agreement.h"
 #include "surface/base/error.h"
 #include "surface/image/homography.h"
-#include "surface/maps/photography_json.h"
 
 namespace tangi {
 
 using glm::dmat3;
 using glm::dvec2;
 using glm::dvec3;
-using nlohmann::json;
 
 namespace {
 
@@ -72,12 +70,18 @@ RelativeScale relative_scale(const PlaneCalibration& c) {
     };
 }
 
+// Without the lens's distortion.
+struct SeenMarkers {
+    std::vector<Marker> markers;
+    std::optional<MarkerPlane> plane{};  // that they lie in; empty where they were not looked for
+};
+
 // What is to be rectified by: the painting's corners, else markers, else the chart.
-SeenPlane plane_to_rectify(const std::optional<MarkerPlane>& markers, const std::vector<Marker>& seen_markers,
-                           const ColourCalibration* chart, const std::optional<Lens>& lens) {
-    if (markers)
-        return {markers->plane_to_picture, true, std::max(markers->residual_px, 0.05), box_of(seen_markers),
-                "markers"};
+SeenPlane plane_to_rectify(const SeenMarkers& seen, const ColourCalibration* chart,
+                           const std::optional<Lens>& lens) {
+    if (seen.plane)
+        return {seen.plane->plane_to_picture, true, std::max(seen.plane->residual_px, 0.05),
+                box_of(seen.markers), "markers"};
     if (!chart)
         fail(
             "--rectify: by what? Give the painting's corners and size (--corners, --painting-mm), the side "
@@ -238,9 +242,8 @@ SeenPlane plane_of(const EarlierPainting& earlier, const PlaneCalibration& c) {
     return plane;
 }
 
-void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& markers,
-             const std::vector<Marker>& seen_markers, const ColourCalibration* chart, PictureGeometry& g,
-             PlaneCalibration& c) {
+void rectify(const PlaneOptions& options, const SeenMarkers& seen, const ColourCalibration* chart,
+             PictureGeometry& g, PlaneCalibration& c) {
     SeenPlane plane;
     std::optional<double> unit;
     if (options.earlier) {
@@ -253,7 +256,7 @@ void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& mark
     } else if (options.corners_px) {
         const Corners corners = without_lens(g.lens, *options.corners_px);
         std::optional<dvec2> size = options.painting_mm;
-        if (!size && markers) size = size_on_plane(*markers, corners);
+        if (!size && seen.plane) size = size_on_plane(*seen.plane, corners);
         if (!size)
             fail(
                 "--corners: how large is the painting? Give --painting-mm WIDTH,HEIGHT, or the side of "
@@ -266,7 +269,7 @@ void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& mark
         g.mm_per_pixel = r.mm_per_pixel;
         unit = 1.0;
     } else {
-        plane = plane_to_rectify(markers, seen_markers, chart, g.lens);
+        plane = plane_to_rectify(seen, chart, g.lens);
         const Upright picture = upright(plane, g.photo_width, g.photo_height);
         g.rectification = picture.picture_to_photo;
         g.width = picture.width, g.height = picture.height;
@@ -277,6 +280,80 @@ void rectify(const PlaneOptions& options, const std::optional<MarkerPlane>& mark
     find_pose(plane, unit, g, c);
 }
 
+std::optional<Lens> read_lens_of(const PlaneOptions& options, int width, int height) {
+    if (!options.lens) return {};
+    try {
+        return lens_for(read_lens(*options.lens), width, height);
+    } catch (const Error& error) {
+        const std::string what = error.what(), file = options.lens->string();
+        fail("{}{}", what.starts_with(file) ? "" : file + ": ", what);
+    }
+}
+
+// Focal length and principal point: as given, else the lens's.
+void take_camera(const PlaneOptions& options, const std::optional<Lens>& lens, PlaneCalibration& c) {
+    c.focal_px = options.focal_px;
+    c.principal_px = options.principal_px.value_or(dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0));
+    if (!lens) return;
+    const double of_lens = (lens->focal_px.x + lens->focal_px.y) / 2;
+    if (c.focal_px && std::abs(*c.focal_px / of_lens - 1) > kFocalsDiffer)
+        c.warnings.push_back(
+            fmt::format("--focal-px {:.6g}: the lens file says {:.6g}; the former is used for the camera's "
+                        "distance, the latter to undo the distortion",
+                        *c.focal_px, of_lens));
+    if (!c.focal_px) c.focal_px = of_lens;
+    if (!options.principal_px) c.principal_px = lens->principal_px;
+}
+
+Transfer transfer_of(const PlaneOptions& options) {
+    return options.transfer.value_or(Transfer{Transfer::Kind::srgb});
+}
+
+// Where they are asked for.
+SeenMarkers find_markers(const PhotoSet& photos, const PlaneOptions& options, const std::optional<Lens>& lens,
+                         PlaneCalibration& c, const Progress& progress) {
+    SeenMarkers seen;
+    if (!options.marker_mm) return seen;
+    MarkedPhoto marked = find_marked_photo(photos, transfer_of(options), options.dictionary, progress);
+    c.markers = std::move(marked.markers);
+    c.markers_in = photos.name(marked.photo);
+    for (const std::string& warning : c.markers.warnings)
+        c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
+    seen.markers = c.markers.markers;
+    for (Marker& marker : seen.markers) marker.corners_px = without_lens(lens, marker.corners_px);
+    seen.plane = marker_plane(seen.markers, *options.marker_mm);
+    c.marker_residual_px = seen.plane->residual_px;
+    add_scale(c, seen.plane->scale);
+    return seen;
+}
+
+// Of all that was told beside markers.
+void add_scales(const PlaneOptions& options, const std::optional<Lens>& lens, const ColourCalibration* chart,
+                PlaneCalibration& c) {
+    if (options.bar)
+        add_scale(c, scale_from_bar(without_lens(lens, options.bar->first_px),
+                                    without_lens(lens, options.bar->last_px), options.bar->length_mm));
+    if (options.pixels_per_inch) add_scale(c, scale_from_ppi(*options.pixels_per_inch));
+    if (options.corners_px && options.painting_mm)
+        add_scale(c, scale_from_corners(without_lens(lens, *options.corners_px), options.painting_mm->x,
+                                        options.painting_mm->y));
+    if (chart && chart->scale) c.scales.push_back(*chart->scale);
+}
+
+// What contradicts each other.
+void find_contradictions(const PlaneOptions& options, const std::optional<Lens>& lens, PlaneCalibration& c) {
+    c.poor = contradictions(c.scales, relative_scale(c));
+    if (lens && c.rectified_by.empty() && std::max(c.photo_outside, c.picture_outside) > kMostMovedOut)
+        c.poor.push_back(fmt::format(
+            "{}: with its distortion undone, {:.0f} % of the photographs lie outside the picture, and "
+            "{:.0f} % of the picture is empty; is it of this lens, zoomed and focused as here?",
+            options.lens->string(), 100 * c.photo_outside, 100 * c.picture_outside));
+    if (options.corners_px && options.painting_mm)
+        if (auto why = contradiction_of_corners(without_lens(lens, *options.corners_px), *options.painting_mm,
+                                                c.focal_px, c.principal_px, std::hypot(c.width, c.height)))
+            c.poor.push_back(std::move(*why));
+}
+
 }  // namespace
 
 PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& options,
@@ -285,100 +362,23 @@ PlaneCalibration calibrate_plane(const PhotoSet& photos, const PlaneOptions& opt
     const PhotoHeader header = photos.open(0).header();
     c.width = header.width, c.height = header.height;
     PictureGeometry g{.photo_width = c.width, .photo_height = c.height, .width = c.width, .height = c.height};
-    if (options.lens) {
-        try {
-            g.lens = lens_for(read_lens(*options.lens), c.width, c.height);
-        } catch (const Error& error) {
-            const std::string what = error.what(), file = options.lens->string();
-            fail("{}{}", what.starts_with(file) ? "" : file + ": ", what);
-        }
-    }
-    c.focal_px = options.focal_px;
-    c.principal_px = options.principal_px.value_or(dvec2((c.width - 1) / 2.0, (c.height - 1) / 2.0));
-    if (g.lens) {
-        if (const double of_lens = (g.lens->focal_px.x + g.lens->focal_px.y) / 2;
-            c.focal_px && std::abs(*c.focal_px / of_lens - 1) > kFocalsDiffer)
-            c.warnings.push_back(fmt::format(
-                "--focal-px {:.6g}: the lens file says {:.6g}; the former is used for the camera's "
-                "distance, the latter to undo the distortion",
-                *c.focal_px, of_lens));
-        if (!c.focal_px) c.focal_px = (g.lens->focal_px.x + g.lens->focal_px.y) / 2;
-        if (!options.principal_px) c.principal_px = g.lens->principal_px;
-    }
-    std::optional<MarkerPlane> markers;
-    std::vector<Marker> seen_markers;
-    if (options.marker_mm) {
-        MarkedPhoto marked = find_marked_photo(
-            photos, options.transfer.value_or(Transfer{Transfer::Kind::srgb}), options.dictionary, progress);
-        c.markers = std::move(marked.markers);
-        c.markers_in = photos.name(marked.photo);
-        for (const std::string& warning : c.markers.warnings)
-            c.warnings.push_back(fmt::format("{}: {}", c.markers_in, warning));
-        seen_markers = c.markers.markers;
-        for (Marker& marker : seen_markers) marker.corners_px = without_lens(g.lens, marker.corners_px);
-        markers = marker_plane(seen_markers, *options.marker_mm);
-        c.marker_residual_px = markers->residual_px;
-        add_scale(c, markers->scale);
-    }
-    if (options.bar)
-        add_scale(c, scale_from_bar(without_lens(g.lens, options.bar->first_px),
-                                    without_lens(g.lens, options.bar->last_px), options.bar->length_mm));
-    if (options.pixels_per_inch) add_scale(c, scale_from_ppi(*options.pixels_per_inch));
-    if (options.corners_px && options.painting_mm)
-        add_scale(c, scale_from_corners(without_lens(g.lens, *options.corners_px), options.painting_mm->x,
-                                        options.painting_mm->y));
-    if (chart && chart->scale) c.scales.push_back(*chart->scale);
+    g.lens = read_lens_of(options, c.width, c.height);
+    take_camera(options, g.lens, c);
+    const SeenMarkers markers = find_markers(photos, options, g.lens, c, progress);
+    add_scales(options, g.lens, chart, c);
     if (options.earlier) {
-        c.earlier = find_painting(photos, *options.earlier, g.lens,
-                                  options.transfer.value_or(Transfer{Transfer::Kind::srgb}), progress);
+        c.earlier = find_painting(photos, *options.earlier, g.lens, transfer_of(options), progress);
         if (options.earlier->mm_per_pixel) add_scale(c, scale_from(*options.earlier, *c.earlier));
     }
     if (options.rectify || options.earlier || g.lens) {
         rank_scales(c.scales, relative_scale(c));  // a chart of unknown size is told by the best of them
-        if (options.rectify || options.earlier) rectify(options, markers, seen_markers, chart, g, c);
+        if (options.rectify || options.earlier) rectify(options, markers, chart, g, c);
         measure_outside(g, c);
         c.geometry = g;
     }
     rank_scales(c.scales, relative_scale(c));
-    c.poor = contradictions(c.scales, relative_scale(c));
-    if (g.lens && c.rectified_by.empty() && std::max(c.photo_outside, c.picture_outside) > kMostMovedOut)
-        c.poor.push_back(fmt::format(
-            "{}: with its distortion undone, {:.0f} % of the photographs lie outside the picture, and "
-            "{:.0f} % of the picture is empty; is it of this lens, zoomed and focused as here?",
-            options.lens->string(), 100 * c.photo_outside, 100 * c.picture_outside));
-    if (options.corners_px && options.painting_mm)
-        if (auto why =
-                contradiction_of_corners(without_lens(g.lens, *options.corners_px), *options.painting_mm,
-                                         c.focal_px, c.principal_px, std::hypot(c.width, c.height)))
-            c.poor.push_back(std::move(*why));
+    find_contradictions(options, g.lens, c);
     return c;
-}
-
-json to_json(const PlaneCalibration& c) {
-    json markers = json::array(), scales = json::array(), geometry = nullptr;
-    for (const Marker& marker : c.markers.markers) {
-        json corners = json::array();
-        for (const dvec2& corner : marker.corners_px) corners.push_back({corner.x, corner.y});
-        markers.push_back({{"id", marker.id}, {"corners_px", std::move(corners)}});
-    }
-    for (const Scale& scale : c.scales) scales.push_back(to_json(scale));
-    if (c.geometry) {
-        geometry = to_json(*c.geometry);
-        geometry["rectified_by"] = c.rectified_by.empty() ? json(nullptr) : json(c.rectified_by);
-        geometry["tilt_deg"] = c.tilt_deg ? json(*c.tilt_deg) : json(nullptr);
-        geometry["tilt_sigma_deg"] = c.tilt_deg ? json(c.tilt_sigma_deg) : json(nullptr);
-        geometry["aligned_sigma_px"] = c.earlier ? json(c.earlier->error_px) : json(nullptr);
-        geometry["photograph_outside"] = c.photo_outside;
-        geometry["picture_outside"] = c.picture_outside;
-    }
-    return {{"scale", c.scales.empty() ? json(nullptr) : scales.front()},
-            {"scales", std::move(scales)},
-            {"markers",
-             {{"dictionary", c.markers.dictionary},
-              {"found_in", c.markers_in},
-              {"residual_px", c.marker_residual_px},
-              {"found", std::move(markers)}}},
-            {"geometry", std::move(geometry)}};
 }
 
 }  // namespace tangi
