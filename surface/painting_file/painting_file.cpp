@@ -209,12 +209,19 @@ struct Maps {
     std::vector<std::string> wrong;     // the first of each row
 };
 
-Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, int width, int height,
-               const Surface& names, const Progress& progress) {
+// Where the dry layer is in a file, and which maps it has.
+struct DryPart {
+    int number = 0, width = 0, height = 0;
+    Surface names{1, 1};  // its maps are those of the part
+};
+
+Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, const DryPart& dry,
+               const Progress& progress) {
+    const int width = dry.width, height = dry.height;
     const auto rows = static_cast<std::size_t>(height);
     Maps maps{Surface(width, height), std::vector<std::uint64_t>(rows), std::vector<std::string>(rows)};
-    if (!names.specular_colour.empty()) maps.surface.specular_colour = Image<Rgb>(width, height);
-    if (!names.lobe_axes.empty()) maps.surface.lobe_axes = Image<LobeAxes>(width, height);
+    if (!dry.names.specular_colour.empty()) maps.surface.specular_colour = Image<Rgb>(width, height);
+    if (!dry.names.lobe_axes.empty()) maps.surface.lobe_axes = Image<LobeAxes>(width, height);
     const auto channels = channels_of(maps.surface);
     const auto look_at = [&](int y0, int y1) {
         hash_rows(channels, width, y0, y1, maps.hashes);
@@ -223,7 +230,7 @@ Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, 
     std::vector<FloatPlane> planes;
     for (const DryChannel& c : channels) planes.push_back({c.name, c.base, c.stride});
     if (read_scan_blocks(path, kDry, planes, look_at, progress)) return maps;
-    Imf::InputPart part(file, number);
+    Imf::InputPart part(file, dry.number);
     part.setFrameBuffer(frame_buffer(maps.surface));
     for (int y = 0; y < height; y += kRowsAtOnce) {
         report(progress, "read painting", y / static_cast<double>(height));
@@ -234,34 +241,36 @@ Maps read_maps(const fs::path& path, Imf::MultiPartInputFile& file, int number, 
     return maps;
 }
 
-Surface read_dry_part(const fs::path& path, const Progress& progress) {
-    let_openexr_use_threads();
-    Imf::MultiPartInputFile file(path.c_str(), thread_count());
-    const int number = find_part(file, kDry);
-    if (number < 0)
+// Throws Error where there is none, its header cannot be right, or memory does not suffice for it.
+DryPart find_dry_part(const fs::path& path, const Imf::MultiPartInputFile& file) {
+    DryPart dry;
+    dry.number = find_part(file, kDry);
+    if (dry.number < 0)
         fail("{}: is an EXR file, but not a painting: it has no part '{}'. Make one with: tangipaint fit",
              path.string(), kDry);
-    const Imf::Header& header = file.header(number);
+    const Imf::Header& header = file.header(dry.number);
     const auto& window = header.dataWindow();
-    const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
+    dry.width = window.max.x - window.min.x + 1, dry.height = window.max.y - window.min.y + 1;
     if (window.min.x != 0 || window.min.y != 0)
         fail("{}: its data window does not start at 0, 0", path.string());
     // Paintings are whole pictures. A damaged size is so found before memory for it is asked for.
     if (header.displayWindow() != window)
-        fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, width, height);
-
-    Surface names(1, 1);
+        fail("{}: part '{}' is {} x {}, but its display window is not", path.string(), kDry, dry.width,
+             dry.height);
     const auto has = [&](const char* channel) { return header.channels().findChannel(channel) != nullptr; };
-    if (has(kLobeChannels[0])) names.specular_colour = Image<Rgb>(1, 1);
-    if (has(kAxesChannels[0])) names.lobe_axes = Image<LobeAxes>(1, 1);
-    for (const DryChannel& c : channels_of(names))
+    if (has(kLobeChannels[0])) dry.names.specular_colour = Image<Rgb>(1, 1);
+    if (has(kAxesChannels[0])) dry.names.lobe_axes = Image<LobeAxes>(1, 1);
+    for (const DryChannel& c : channels_of(dry.names))
         if (!header.channels().findChannel(c.name))
             fail("{}: part '{}' has no channel '{}'", path.string(), kDry, c.name);
-    const double beside = (names.specular_colour.empty() ? 0.0 : sizeof(Rgb)) +
-                          (names.lobe_axes.empty() ? 0.0 : sizeof(LobeAxes));
-    require_memory_of_surface(path, width, height, beside, "a painting");
-    Maps maps = read_maps(path, file, number, width, height, names, progress);
-    Surface& s = maps.surface;
+    const double beside = (dry.names.specular_colour.empty() ? 0.0 : sizeof(Rgb)) +
+                          (dry.names.lobe_axes.empty() ? 0.0 : sizeof(LobeAxes));
+    require_memory_of_surface(path, dry.width, dry.height, beside, "a painting");
+    return dry;
+}
+
+// What the header says of the painting as a whole.
+void read_attributes(const fs::path& path, const Imf::Header& header, Surface& s) {
     s.mm_per_pixel = kept_scale_mm(attribute<Imf::FloatAttribute>(header, "mm_per_pixel", 1.0f));
     if (!(s.mm_per_pixel > 0) || !std::isfinite(s.mm_per_pixel))
         fail("{}: mm_per_pixel = {} is not positive", path.string(), s.mm_per_pixel);
@@ -281,6 +290,10 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
             "it again, or take a copy from before",
             path.string());
     }
+}
+
+// That the maps are those that were saved, and make sense.
+void require_intact(const fs::path& path, const Imf::Header& header, const Maps& maps) {
     const std::string stored = attribute<Imf::StringAttribute>(header, "dry_hash", std::string());
     if (const std::string found = joined_hash(maps.hashes); !stored.empty() && stored != found)
         fail("{}: the dry layer is not the one that was saved (hash {} expected, {} found)", path.string(),
@@ -289,6 +302,15 @@ Surface read_dry_part(const fs::path& path, const Progress& progress) {
         if (!what.empty())
             fail("{}: {}, where confidence is not 0; correct the map, or set confidence to 0 there",
                  path.string(), what);
+}
+
+Surface read_dry_part(const fs::path& path, const Progress& progress) {
+    let_openexr_use_threads();
+    Imf::MultiPartInputFile file(path.c_str(), thread_count());
+    const DryPart dry = find_dry_part(path, file);
+    Maps maps = read_maps(path, file, dry, progress);
+    read_attributes(path, file.header(dry.number), maps.surface);
+    require_intact(path, file.header(dry.number), maps);
     return std::move(maps.surface);
 }
 
