@@ -91,6 +91,56 @@ json to_json(const Photography& photography) {
     return result;
 }
 
+namespace {
+
+Photography::Photo photo_of(const json& entry) {
+    Photography::Photo photo;
+    photo.light.name = entry.at("name").get<std::string>();
+    photo.light.direction = vec3_of(entry.at("direction"));
+    photo.light.gain = vec3_of(entry.at("gain"));
+    if (entry.contains("position_mm")) photo.light.position_mm = vec3_of(entry.at("position_mm"));
+    if (entry.contains("beam")) photo.light.beam.terms = entry.at("beam").get<std::array<float, 5>>();
+    if (entry.contains("listed_direction")) photo.listed_direction = vec3_of(entry.at("listed_direction"));
+    photo.fitted = entry.at("fitted").get<bool>();
+    if (entry.contains("homography")) photo.homography = homography_from_json(entry.at("homography"));
+    return photo;
+}
+
+Rig rig_of(const json& written) {
+    const auto distance = [&](const char* name) {
+        return written.at(name).is_null() ? std::nullopt : std::optional(written.at(name).get<float>());
+    };
+    Rig rig = {.ambient = written.at("ambient").get<float>(),
+               .camera_distance_mm = distance("camera_distance_mm"),
+               .camera_axis_mm = {},
+               .light_distance_mm = distance("light_distance_mm"),
+               .bend_per_mm = written.at("bend_per_mm").get<float>()};
+    rig.surface_above_mm = written.value("surface_above_mm", 0.0f);  // not in older files
+    if (rig.light_distance_mm && !(std::abs(rig.surface_above_mm) < *rig.light_distance_mm))
+        fail("rig.surface_above_mm = {} is as high as the lights are far away, {} mm", rig.surface_above_mm,
+             *rig.light_distance_mm);
+    if (written.contains("light_radius_deg")) {  // in no file of before it was looked for
+        rig.light_radius_deg = written["light_radius_deg"].get<float>();
+        if (!(rig.light_radius_deg >= 0 && rig.light_radius_deg <= 45))
+            fail("rig.light_radius_deg = {} is outside [0, 45] deg", rig.light_radius_deg);
+    }
+    if (written.contains("camera_axis_mm"))
+        rig.camera_axis_mm = {written["camera_axis_mm"].at(0).get<float>(),
+                              written["camera_axis_mm"].at(1).get<float>()};
+    return rig;
+}
+
+BeamModel beam_model_of(const json& written) {
+    BeamModel beams;
+    beams.radius_mm = written.at("radius_mm").get<double>();
+    if (!(beams.radius_mm > 0)) fail("beams.radius_mm is not above 0");
+    for (std::size_t i = 0; i < beams.terms.size(); ++i)
+        beams.terms[i] = light_model_of(written.at("terms").at(i));
+    return beams;
+}
+
+}  // namespace
+
 Photography photography_from_json(const json& written) {
     Photography photography;
     if (written.empty()) return photography;
@@ -99,56 +149,15 @@ Photography photography_from_json(const json& written) {
     if (!transfer) fail("unknown transfer curve '{}'", shortened(j.at("transfer").get<std::string>()));
     photography.transfer = *transfer;
     photography.white_level = j.at("white_level").get<double>();
-    for (const json& entry : j.at("photos")) {
-        Photography::Photo photo;
-        photo.light.name = entry.at("name").get<std::string>();
-        photo.light.direction = vec3_of(entry.at("direction"));
-        photo.light.gain = vec3_of(entry.at("gain"));
-        if (entry.contains("position_mm")) photo.light.position_mm = vec3_of(entry.at("position_mm"));
-        if (entry.contains("beam")) photo.light.beam.terms = entry.at("beam").get<std::array<float, 5>>();
-        if (entry.contains("listed_direction"))
-            photo.listed_direction = vec3_of(entry.at("listed_direction"));
-        photo.fitted = entry.at("fitted").get<bool>();
-        if (entry.contains("homography")) photo.homography = homography_from_json(entry.at("homography"));
-        photography.photos.push_back(std::move(photo));
-    }
-    if (j.contains("rig")) {  // not in files of version 0.1
-        const json& rig = j.at("rig");
-        const auto distance = [&](const char* name) {
-            return rig.at(name).is_null() ? std::nullopt : std::optional(rig.at(name).get<float>());
-        };
-        photography.rig = {.ambient = rig.at("ambient").get<float>(),
-                           .camera_distance_mm = distance("camera_distance_mm"),
-                           .camera_axis_mm = {},
-                           .light_distance_mm = distance("light_distance_mm"),
-                           .bend_per_mm = rig.at("bend_per_mm").get<float>()};
-        const Rig& found = photography.rig;
-        photography.rig.surface_above_mm = rig.value("surface_above_mm", 0.0f);  // not in older files
-        if (found.light_distance_mm && !(std::abs(found.surface_above_mm) < *found.light_distance_mm))
-            fail("rig.surface_above_mm = {} is as high as the lights are far away, {} mm",
-                 found.surface_above_mm, *found.light_distance_mm);
-        if (rig.contains("light_radius_deg")) {  // in no file of before it was looked for
-            photography.rig.light_radius_deg = rig["light_radius_deg"].get<float>();
-            if (!(photography.rig.light_radius_deg >= 0 && photography.rig.light_radius_deg <= 45))
-                fail("rig.light_radius_deg = {} is outside [0, 45] deg", photography.rig.light_radius_deg);
-        }
-        if (rig.contains("camera_axis_mm"))
-            photography.rig.camera_axis_mm = {rig["camera_axis_mm"].at(0).get<float>(),
-                                              rig["camera_axis_mm"].at(1).get<float>()};
-    }
+    for (const json& entry : j.at("photos")) photography.photos.push_back(photo_of(entry));
+    if (j.contains("rig")) photography.rig = rig_of(j.at("rig"));  // not in files of version 0.1
     if (j.contains("to_camera")) {
         photography.to_camera = homography_from_json(j.at("to_camera"));
         const double size = glm::determinant(*photography.to_camera);
         if (!(std::abs(size) > 1e-9 && std::abs(size) < 1e9)) fail("to_camera has no inverse");
     }
     if (j.contains("light_model")) photography.light_model = light_model_of(j.at("light_model"));
-    if (j.contains("beams")) {
-        photography.beams.emplace();
-        photography.beams->radius_mm = j["beams"].at("radius_mm").get<double>();
-        if (!(photography.beams->radius_mm > 0)) fail("beams.radius_mm is not above 0");
-        for (std::size_t i = 0; i < photography.beams->terms.size(); ++i)
-            photography.beams->terms[i] = light_model_of(j["beams"].at("terms").at(i));
-    }
+    if (j.contains("beams")) photography.beams = beam_model_of(j["beams"]);
     return photography;
 }
 
