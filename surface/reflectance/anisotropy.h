@@ -84,9 +84,17 @@ inline void add_axes(const Vec3& n, const Vec3& h, float tangent, WardAngles<flo
     angles.h_b = cosine * h_2 - sine * h_1;
 }
 
-// Lobe and second lobe of a pixel whose alpha is `roughness`, in directions of the surface frame.
+// A pixel's lobe.
+struct AnisotropicLobe {
+    float roughness;  // alpha
+    LobeAxes axes;
+    float second_lobe_weight = 0;
+};
+
+// Lobe and second lobe, in directions of the surface frame.
 inline float anisotropic_lobe(WardModel model, WardAngles<float> angles, const Vec3& n, const Vec3& h,
-                              float roughness, const LobeAxes& axes, float second_lobe_weight) {
+                              const AnisotropicLobe& lobe) {
+    const auto& [roughness, axes, second_lobe_weight] = lobe;
     add_axes(n, h, axes.tangent, angles);
     const float across = axes.roughness_v, along = roughness * roughness / across;
     const float core = ward_lobe(model, angles, along, across);

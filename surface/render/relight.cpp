@@ -46,8 +46,8 @@ Rgb reflected(const Surface& s, int x, int y, const Vec3& light, const Vec3& vie
     const auto second_lobe_weight = static_cast<float>(s.reflectance_model.second_lobe_weight);
     const float lobe = s.lobe_axes.empty()
                            ? hazy_lobe(model, angles, s.roughness(x, y), second_lobe_weight)
-                           : anisotropic_lobe(model, angles, n, light + view, s.roughness(x, y),
-                                              s.lobe_axes(x, y), second_lobe_weight);
+                           : anisotropic_lobe(model, angles, n, light + view,
+                                              {s.roughness(x, y), s.lobe_axes(x, y), second_lobe_weight});
     const auto diffuse_roughness = static_cast<float>(s.reflectance_model.diffuse_roughness);
     const float matt =
         angles.n_v > 0 ? rough_diffuse(angles.n_l, angles.n_v, angles.h_h / 2 - 1, diffuse_roughness).value

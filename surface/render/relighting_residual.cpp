@@ -168,16 +168,13 @@ bool residual_in_vain(const Surface& surface) {
            (all.value(kPart, json()) == kInVain || all.value(kPartBefore, json()) == kInVain);
 }
 
-RelightingResidual read_residual(const std::filesystem::path& path, const Surface& dry,
-                                 const Progress& progress) {
-    const std::vector<PartInfo> parts = painting_parts(path);
-    const auto found = std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) {
-        return p.name == kPart || p.name == kPartBefore;
-    });
-    if (found == parts.end()) return {};
+namespace {
+
+// What the part says of the model: no maps yet.
+RelightingResidual read_model(const std::filesystem::path& path, const PartInfo& part) {
     const auto text = [&](const std::string& name) {
-        const auto attribute = found->attributes.find(name);
-        if (attribute == found->attributes.end())
+        const auto attribute = part.attributes.find(name);
+        if (attribute == part.attributes.end())
             fail("{}: part '{}' has no attribute '{}'; fit again with --residual", path.string(), kPart,
                  name);
         return attribute->second;
@@ -192,12 +189,45 @@ RelightingResidual read_residual(const std::filesystem::path& path, const Surfac
              why_wrong_field(error));
     }
     r.dry_hash = text("dry_hash");
-    if (found->width != dry.width() || found->height != dry.height())
-        fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), kPart, found->width,
-             found->height, dry.width(), dry.height());
+    return r;
+}
+
+void require_residual_of(const Surface& dry, const std::filesystem::path& path, const PartInfo& part,
+                         const RelightingResidual& r) {
+    if (part.width != dry.width() || part.height != dry.height())
+        fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), kPart, part.width,
+             part.height, dry.width(), dry.height());
     if (r.dry_hash != hash_of(dry))
         fail("{}: part '{}' belongs to another dry layer (hash {}); fit again with --residual", path.string(),
              kPart, r.dry_hash);
+}
+
+// Rows of a map as the file has them.
+void take_rows(int y0, int y1, const float* plane, Image<float>& map, const std::filesystem::path& path,
+               const std::string& channel) {
+    for (int y = y0; y < y1; ++y) {
+        const auto row = map.row(y);
+        std::copy_n(plane + static_cast<std::size_t>(y - y0) * row.size(), row.size(), row.begin());
+        for (std::size_t x = 0; x < row.size(); ++x)
+            if (!std::isfinite(row[x]))
+                fail(
+                    "{}: part '{}', channel '{}' holds {} at pixel ({}, {}); fit again with "
+                    "--residual",
+                    path.string(), kPart, channel, row[x], x, y);
+    }
+}
+
+}  // namespace
+
+RelightingResidual read_residual(const std::filesystem::path& path, const Surface& dry,
+                                 const Progress& progress) {
+    const std::vector<PartInfo> parts = painting_parts(path);
+    const auto found = std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) {
+        return p.name == kPart || p.name == kPartBefore;
+    });
+    if (found == parts.end()) return {};
+    RelightingResidual r = read_model(path, *found);
+    require_residual_of(dry, path, *found, r);
     r.brightness.resize(r.brightness_weights.size());
     r.colour.resize(2 * r.colour_weights.size());
     if (r.empty() || channels_of(r) != found->channels)
@@ -209,17 +239,8 @@ RelightingResidual read_residual(const std::filesystem::path& path, const Surfac
         path, *found,
         [&](int y0, int y1, std::span<const float* const> planes) {
             for (std::size_t c = 0; c < planes.size(); ++c)
-                for (int y = y0; y < y1; ++y) {
-                    const auto row = const_cast<Image<float>&>(map_of(r, c)).row(y);
-                    std::copy_n(planes[c] + static_cast<std::size_t>(y - y0) * row.size(), row.size(),
-                                row.begin());
-                    for (std::size_t x = 0; x < row.size(); ++x)
-                        if (!std::isfinite(row[x]))
-                            fail(
-                                "{}: part '{}', channel '{}' holds {} at pixel ({}, {}); fit again with "
-                                "--residual",
-                                path.string(), kPart, found->channels[c], row[x], x, y);
-                }
+                take_rows(y0, y1, planes[c], const_cast<Image<float>&>(map_of(r, c)), path,
+                          found->channels[c]);
         },
         progress);
     return r;

@@ -20,8 +20,8 @@ struct Brushed {
 
     float lobe(const Vec3& n, const Vec3& l, const Vec3& v, float second_lobe_weight = 0,
                WardModel model = WardModel::bounded) const {
-        return anisotropic_lobe(model, ward_angles(n, l, v), n, l + v, alpha, axes_of(stretch, alpha),
-                                second_lobe_weight);
+        return anisotropic_lobe(model, ward_angles(n, l, v), n, l + v,
+                                {alpha, axes_of(stretch, alpha), second_lobe_weight});
     }
 };
 
