@@ -80,7 +80,7 @@ public:
     }
 
     Image<Rgb> legend_for(ColourMap map, const ValueRange& range, const std::string& unit) const {
-        return legend(map, range, unit, cell_, std::max(16, legend_height()), kInk, kPaper);
+        return legend(map, range, unit, cell_, std::max(16, legend_height()), {kInk, kPaper});
     }
 
     Image<Rgb> finished() {

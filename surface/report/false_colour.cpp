@@ -160,7 +160,8 @@ std::string tick_label(double value, const ValueRange& range) {
 }
 
 Image<Rgb> legend(ColourMap map, const ValueRange& range, std::string_view unit, int width, int height,
-                  const Rgb& ink, const Rgb& paper) {
+                  const LegendColours& colours) {
+    const auto& [ink, paper] = colours;
     TP_REQUIRE(width >= 40 && height >= 16, "a legend has room for its labels");
     Image<Rgb> picture(width, height, paper);
     const int size = std::max(6, height * 3 / 10), bar = height - 2 * size - 1;
@@ -263,56 +264,79 @@ Image<Rgb> shrunk(const Image<Rgb>& picture, int longest) {
     });
 }
 
-std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
-    const PixelMask mask = measured(surface.confidence);
-    const auto scalar = [&](const Image<float>& map, const ValueRange& range) {
-        return shrunk(map_picture(map, range.lo, range.hi, ColourMap::sequential, mask), longest);
-    };
-    const bool any =
-        std::any_of(mask.pixels().begin(), mask.pixels().end(), [](unsigned char m) { return m != 0; });
-    const auto range_of = [&](const Image<float>& map) {
-        return any ? robust_range(map, mask) : ValueRange{};
-    };
-    const auto from_zero = [&](const Image<float>& map) {
-        return ValueRange{0, std::max(range_of(map).hi, 1e-3)};
-    };
-    const auto colours = [&](const Image<Rgb>& map) {
-        Image<Rgb> shown(surface.width(), surface.height(), kNoValue);
-        for (std::size_t i = 0; i < shown.size(); ++i)
-            if (mask.pixels()[i])
-                shown.pixels()[i] = glm::min(Transfer{Transfer::Kind::srgb}.encode(map.pixels()[i]), Rgb(1));
-        return shrunk(shown, longest);
-    };
+namespace {
 
-    const ValueRange height = range_of(surface.height_mm), specular = from_zero(surface.specular);
-    const ValueRange roughness = from_zero(surface.roughness), confidence{0, 1};
+// Maps of one surface as pictures: only of what was measured.
+class MapDrawer {
+public:
+    MapDrawer(const Surface& surface, int longest)
+        : mask_(measured(surface.confidence)),
+          any_(std::any_of(mask_.pixels().begin(), mask_.pixels().end(),
+                           [](unsigned char m) { return m != 0; })),
+          longest_(longest) {}
+
+    ValueRange range_of(const Image<float>& map) const {
+        return any_ ? robust_range(map, mask_) : ValueRange{};
+    }
+    ValueRange from_zero(const Image<float>& map) const {
+        return ValueRange{0, std::max(range_of(map).hi, 1e-3)};
+    }
+    Image<Rgb> scalar(const Image<float>& map, const ValueRange& range) const {
+        return shrunk(map_picture(map, range.lo, range.hi, ColourMap::sequential, mask_), longest_);
+    }
+    Image<Rgb> colours(const Image<Rgb>& map) const {
+        Image<Rgb> shown(map.width(), map.height(), kNoValue);
+        for (std::size_t i = 0; i < shown.size(); ++i)
+            if (mask_.pixels()[i])
+                shown.pixels()[i] = glm::min(Transfer{Transfer::Kind::srgb}.encode(map.pixels()[i]), Rgb(1));
+        return shrunk(shown, longest_);
+    }
+    Image<Rgb> normals(const Image<Vec3>& map) const { return shrunk(normal_picture(map, mask_), longest_); }
+
+private:
+    const PixelMask mask_;
+    const bool any_;  // pixels of the mask
+    const int longest_;
+};
+
+Image<float> stretches_of(const Surface& surface) {
+    Image<float> stretch(surface.width(), surface.height());
+    for (std::size_t i = 0; i < stretch.size(); ++i)
+        stretch.pixels()[i] =
+            glm::length(stretch_of(surface.lobe_axes.pixels()[i], surface.roughness.pixels()[i]));
+    return stretch;
+}
+
+}  // namespace
+
+std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
+    const MapDrawer draw(surface, longest);
+    const ValueRange height = draw.range_of(surface.height_mm), specular = draw.from_zero(surface.specular);
+    const ValueRange roughness = draw.from_zero(surface.roughness), confidence{0, 1};
     std::vector<MapPicture> maps;
     maps.push_back({"height", "Height", "h", "Relief above the mean plane of the support.",
-                    surface.scale_known ? "mm" : "pixels", height, scalar(surface.height_mm, height)});
+                    surface.scale_known ? "mm" : "pixels", height, draw.scalar(surface.height_mm, height)});
     maps.push_back({"normal", "Normals", "n",
                     "Direction the surface faces: red right, green up, blue to the viewer.", "1",
-                    std::nullopt, shrunk(normal_picture(surface.normal, mask), longest)});
+                    std::nullopt, draw.normals(surface.normal)});
     maps.push_back({"diffuse", "Diffuse colour", "ρd", "Colour of matt reflection, shown as sRGB.", "1",
-                    std::nullopt, colours(surface.diffuse)});
+                    std::nullopt, draw.colours(surface.diffuse)});
     maps.push_back({"specular", "Specular", "ρs", "Strength of the gloss.", "1", specular,
-                    scalar(surface.specular, specular)});
+                    draw.scalar(surface.specular, specular)});
     maps.push_back({"roughness", "Roughness", "α",
                     "Width of the gloss: small is mirror-like, large is satin.", "1", roughness,
-                    scalar(surface.roughness, roughness)});
+                    draw.scalar(surface.roughness, roughness)});
     if (!surface.specular_colour.empty())
         maps.push_back({"lobe", "Colour of the gloss", "", "White, or a metal's own; shown as sRGB.", "1",
-                        std::nullopt, colours(surface.specular_colour)});
+                        std::nullopt, draw.colours(surface.specular_colour)});
     if (!surface.lobe_axes.empty()) {
-        Image<float> stretch(surface.width(), surface.height());
-        for (std::size_t i = 0; i < stretch.size(); ++i)
-            stretch.pixels()[i] =
-                glm::length(stretch_of(surface.lobe_axes.pixels()[i], surface.roughness.pixels()[i]));
+        const Image<float> stretch = stretches_of(surface);
         maps.push_back({"anisotropy", "Stretch of the gloss", "",
                         "How much wider it is along one direction than on the mean, as a logarithm.", "1",
-                        from_zero(stretch), scalar(stretch, from_zero(stretch))});
+                        draw.from_zero(stretch), draw.scalar(stretch, draw.from_zero(stretch))});
     }
     maps.push_back({"confidence", "Confidence", "", "How certain the fit is: 0 not measured, 1 certain.", "1",
-                    confidence, scalar(surface.confidence, confidence)});
+                    confidence, draw.scalar(surface.confidence, confidence)});
     return maps;
 }
 

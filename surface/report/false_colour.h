@@ -51,9 +51,13 @@ Image<Rgb> normal_picture(const Image<Vec3>& normal, const PixelMask& mask = {})
 std::vector<double> ticks(const ValueRange& range, int most = 6);
 std::string tick_label(double value, const ValueRange& range);
 
+struct LegendColours {
+    Rgb ink{0.1f}, paper{1};
+};
+
 // A bar of the colour map with tick labels below, the unit behind the last one; 40 x 16 pixels at least.
 Image<Rgb> legend(ColourMap map, const ValueRange& range, std::string_view unit, int width, int height,
-                  const Rgb& ink = Rgb(0.1f), const Rgb& paper = Rgb(1));
+                  const LegendColours& colours = {});
 
 // Anti-aliased text whose capitals are `size` pixels high, its top left at (x, y); what lies outside is cut.
 // OpenCV's fonts know ASCII only: every other character becomes '?'.
