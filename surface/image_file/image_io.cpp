@@ -94,8 +94,18 @@ constexpr int kStrip = 256;  // [rows] that are encoded at once: whole blocks of
 // Numbers of the rows from `begin` on, interleaved.
 using RowSource = std::function<const float*(int begin, int end)>;
 
-OIIO::ImageSpec spec_to_write(const std::string& extension, const Region& size, int channels, Depth depth,
-                              const std::string& colour_space, int jpeg_quality, bool is_srgb) {
+// How samples are stored.
+struct SampleStorage {
+    int channels;
+    Depth depth;
+    std::string colour_space;
+    int jpeg_quality = 95;
+    bool is_srgb = false;
+};
+
+OIIO::ImageSpec spec_to_write(const std::string& extension, const Region& size,
+                              const SampleStorage& storage) {
+    const auto& [channels, depth, colour_space, jpeg_quality, is_srgb] = storage;
     OIIO::ImageSpec spec(size.width(), size.height(), channels,
                          depth == Depth::real      ? OIIO::TypeDesc::FLOAT
                          : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
@@ -117,15 +127,14 @@ OIIO::ImageSpec spec_to_write(const std::string& extension, const Region& size, 
     return spec;
 }
 
-void write_samples(const fs::path& path, const RowSource& rows, const Region& size, int channels, Depth depth,
-                   const std::string& colour_space, int jpeg_quality = 95, bool is_srgb = false) {
+void write_samples(const fs::path& path, const RowSource& rows, const Region& size,
+                   const SampleStorage& storage) {
     AtomicFile file(path);
     const std::string extension = lower_extension(path);
     const bool is_tiff = extension.starts_with(".tif");
     const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
     if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
-    const OIIO::ImageSpec spec =
-        spec_to_write(extension, size, channels, depth, colour_space, jpeg_quality, is_srgb);
+    const OIIO::ImageSpec spec = spec_to_write(extension, size, storage);
     // On a full disk OpenImageIO's writers notice little, and libjpeg ends the process: they write to memory.
     // That of TIFF cannot (OpenImageIO 2.4), and gets a file that is memory; what it wrote is read back.
     std::vector<unsigned char> bytes;
@@ -177,26 +186,24 @@ void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfe
         });
         return &std::as_const(strip)(0, 0).r;
     };
-    write_samples(path, encoded, linear.region(), 3, depth, colour_space_of(transfer), storage.jpeg_quality,
-                  transfer.kind == Transfer::Kind::srgb);
+    write_samples(
+        path, encoded, linear.region(),
+        {3, depth, colour_space_of(transfer), storage.jpeg_quality, transfer.kind == Transfer::Kind::srgb});
 }
 
 void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {
-    write_samples(
-        path, [&](int y, int) { return &values(0, y); }, values.region(), 1, depth_of(path, storage), {},
-        storage.jpeg_quality);
+    write_samples(path, [&](int y, int) { return &values(0, y); }, values.region(),
+                  {1, depth_of(path, storage), {}, storage.jpeg_quality});
 }
 
 void write_map(const fs::path& path, const Image<Rgb>& values, const PictureStorage& storage) {
-    write_samples(
-        path, [&](int y, int) { return &values(0, y).r; }, values.region(), 3, depth_of(path, storage), {},
-        storage.jpeg_quality);
+    write_samples(path, [&](int y, int) { return &values(0, y).r; }, values.region(),
+                  {3, depth_of(path, storage), {}, storage.jpeg_quality});
 }
 
 void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
-    write_samples(
-        path, [&](int y, int) { return &encoded_srgb(0, y).r; }, encoded_srgb.region(), 3, Depth::eight,
-        "sRGB", 95, true);
+    write_samples(path, [&](int y, int) { return &encoded_srgb(0, y).r; }, encoded_srgb.region(),
+                  {3, Depth::eight, "sRGB", 95, true});
 }
 
 namespace {
