@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/exponential.hpp>
+#include <glm/vec2.hpp>
 #include <utility>
 
 namespace tangi::procedural {
@@ -129,61 +130,97 @@ Rgb colour_about(float x, float y, Seed seed) {
     return sum / static_cast<float>(count);
 }
 
+namespace {
+
+// A layer of strokes: the last is of accents.
+struct LayerPlan {
+    const PaintLayer& layer;
+    bool accents;
+    Seed seed;
+    float width_mm, length_mm;  // of a stroke, usually
+    float step_mm;              // from one to the next
+    float level_mm;             // that the layer lies on
+};
+
+LayerPlan plan_of(int k, const PaintingOptions& options, float level_mm) {
+    const PaintLayer& layer = kLayers[static_cast<std::size_t>(k)];
+    const float width = layer.width * static_cast<float>(options.brush_width_mm), length = 3.5f * width;
+    return {layer,
+            k == static_cast<int>(kLayers.size()) - 1,
+            hash(options.seed, static_cast<std::uint64_t>(1000 + k)),
+            width,
+            length,
+            std::sqrt(width * length / (layer.coverage * static_cast<float>(options.coverage))),
+            level_mm};
+}
+
+// Half the sides of the picture.
+glm::vec2 half_size_mm(const PaintingOptions& options) {
+    return {static_cast<float>(options.width * options.mm_per_pixel / 2),
+            static_cast<float>(options.height * options.mm_per_pixel / 2)};
+}
+
+// The stroke of place (i, j) of a layer; `h` is all that its accidents come from.
+Stroke stroke_at(int i, int j, Seed h, const LayerPlan& plan, const PaintingOptions& options) {
+    const auto random = [&](std::uint64_t index, float low, float high) {
+        return uniform(hash(h, 10 + index), low, high);
+    };
+    const glm::vec2 half = half_size_mm(options);
+    const float impasto = static_cast<float>(options.impasto);
+    Stroke s;
+    s.x_mm = (static_cast<float>(i) + random(0, -0.5f, 0.5f)) * plan.step_mm;
+    s.y_mm = (static_cast<float>(j) + random(1, -0.5f, 0.5f)) * plan.step_mm;
+    const float x = std::clamp(s.x_mm / half.x, -1.2f, 1.2f);
+    const float y = std::clamp(s.y_mm / half.y, -1.2f, 1.2f);
+    const Subject subject = subject_at(x, y, options.seed);
+    const float angle = direction_at(subject, x, y, options.seed) + random(2, -0.3f, 0.3f) +
+                        (random(3, 0, 1) < 0.5f ? std::numbers::pi_v<float> : 0.0f);
+    s.cos = std::cos(angle);
+    s.sin = std::sin(angle);
+    s.length_mm = plan.length_mm * std::exp(random(4, -0.7f, 0.5f));
+    s.half_width_mm = plan.width_mm / 2 * std::exp(random(5, -0.55f, 0.25f));
+    s.curvature = random(6, -1.3f, 1.3f) / s.length_mm;
+    s.thickness_mm = impasto * plan.layer.thickness_mm * random(7, 0.6f, 1.3f);
+    s.ridge_mm = impasto * plan.layer.ridge_mm * random(8, 0.4f, 1.4f);
+    s.load = plan.layer.load_low + random(9, 0, 1);
+    s.level_mm = plan.level_mm;
+    const Pigment paint = plan.accents ? accent_at(subject, h) : paint_at(subject, x, y, options.seed, h);
+    const Pigment other = paint_at(subject, x, y, options.seed, hash(h, 5));
+    s.first = paint.albedo * random(10, 0.88f, 1.05f);
+    s.second = mixed(paint, other, 0.45f).albedo;
+    s.specular = paint.specular;
+    s.roughness = std::clamp(paint.roughness * random(11, 0.85f, 1.2f), 0.1f, 0.7f);
+    s.seed = hash(h, 6);
+    return s;
+}
+
+// In the order in which they are laid, which is by chance.
+void add_layer(const LayerPlan& plan, const PaintingOptions& options, std::vector<Stroke>& strokes) {
+    const glm::vec2 half = half_size_mm(options);
+    std::vector<std::pair<Seed, Stroke>> shuffled;
+    const int nx = static_cast<int>((half.x + plan.length_mm / 2) / plan.step_mm) + 1;
+    const int ny = static_cast<int>((half.y + plan.length_mm / 2) / plan.step_mm) + 1;
+    for (int j = -ny; j <= ny; ++j)
+        for (int i = -nx; i <= nx; ++i) {
+            const Seed h = hash(plan.seed, i, j);
+            shuffled.emplace_back(hash(h, 7), stroke_at(i, j, h, plan, options));
+        }
+    std::sort(shuffled.begin(), shuffled.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [order, stroke] : shuffled) strokes.push_back(stroke);
+}
+
+}  // namespace
+
 std::vector<Stroke> compose(const PaintingOptions& options, float ground_mm) {
     std::vector<Stroke> strokes;
     if (options.coverage <= 0) return strokes;
-    const float half_width = static_cast<float>(options.width * options.mm_per_pixel / 2);
-    const float half_height = static_cast<float>(options.height * options.mm_per_pixel / 2);
-    const float impasto = static_cast<float>(options.impasto);
     float level = ground_mm;
     for (int k = 0; k < static_cast<int>(kLayers.size()); ++k) {
-        const PaintLayer& layer = kLayers[static_cast<std::size_t>(k)];
-        const bool accents = k == static_cast<int>(kLayers.size()) - 1;
-        const float width = layer.width * static_cast<float>(options.brush_width_mm), length = 3.5f * width;
-        const float step =
-            std::sqrt(width * length / (layer.coverage * static_cast<float>(options.coverage)));
-        const Seed layer_seed = hash(options.seed, static_cast<std::uint64_t>(1000 + k));
-        std::vector<std::pair<Seed, Stroke>> shuffled;
-        const int nx = static_cast<int>((half_width + length / 2) / step) + 1;
-        const int ny = static_cast<int>((half_height + length / 2) / step) + 1;
-        for (int j = -ny; j <= ny; ++j)
-            for (int i = -nx; i <= nx; ++i) {
-                const Seed h = hash(layer_seed, i, j);
-                const auto random = [&](std::uint64_t index, float low, float high) {
-                    return uniform(hash(h, 10 + index), low, high);
-                };
-                Stroke s;
-                s.x_mm = (static_cast<float>(i) + random(0, -0.5f, 0.5f)) * step;
-                s.y_mm = (static_cast<float>(j) + random(1, -0.5f, 0.5f)) * step;
-                const float x = std::clamp(s.x_mm / half_width, -1.2f, 1.2f);
-                const float y = std::clamp(s.y_mm / half_height, -1.2f, 1.2f);
-                const Subject subject = subject_at(x, y, options.seed);
-                const float angle = direction_at(subject, x, y, options.seed) + random(2, -0.3f, 0.3f) +
-                                    (random(3, 0, 1) < 0.5f ? std::numbers::pi_v<float> : 0.0f);
-                s.cos = std::cos(angle);
-                s.sin = std::sin(angle);
-                s.length_mm = length * std::exp(random(4, -0.7f, 0.5f));
-                s.half_width_mm = width / 2 * std::exp(random(5, -0.55f, 0.25f));
-                s.curvature = random(6, -1.3f, 1.3f) / s.length_mm;
-                s.thickness_mm = impasto * layer.thickness_mm * random(7, 0.6f, 1.3f);
-                s.ridge_mm = impasto * layer.ridge_mm * random(8, 0.4f, 1.4f);
-                s.load = layer.load_low + random(9, 0, 1);
-                s.level_mm = level;
-                const Pigment paint =
-                    accents ? accent_at(subject, h) : paint_at(subject, x, y, options.seed, h);
-                const Pigment other = paint_at(subject, x, y, options.seed, hash(h, 5));
-                s.first = paint.albedo * random(10, 0.88f, 1.05f);
-                s.second = mixed(paint, other, 0.45f).albedo;
-                s.specular = paint.specular;
-                s.roughness = std::clamp(paint.roughness * random(11, 0.85f, 1.2f), 0.1f, 0.7f);
-                s.seed = hash(h, 6);
-                shuffled.emplace_back(hash(h, 7), s);
-            }
-        std::sort(shuffled.begin(), shuffled.end(),
-                  [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (auto& [order, stroke] : shuffled) strokes.push_back(stroke);
-        level += impasto * layer.thickness_mm *
-                 std::min(layer.coverage * static_cast<float>(options.coverage), 1.6f);
+        const LayerPlan plan = plan_of(k, options, level);
+        add_layer(plan, options, strokes);
+        level += static_cast<float>(options.impasto) * plan.layer.thickness_mm *
+                 std::min(plan.layer.coverage * static_cast<float>(options.coverage), 1.6f);
     }
     return strokes;
 }
