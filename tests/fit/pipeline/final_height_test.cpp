@@ -116,8 +116,10 @@ TEST(FinalHeight, WithoutShadowsSlopesAreTakenAsTheyAre) {
 TEST(FinalHeight, ItsErrorSaysThatHowSteepSlopesAreIsRoughlyKnown) {
     Surface surface = hills();
     Image<HalfError> errors, alone;
-    final_height(surface, photographed(surface, height_with(surface, 0.8), ring(25)), {},
-                 {.lights = ring(25), .rig = {}}, kNoCliffs, {.shadows_tell = true}, &errors, {});
+    final_height(
+        surface,
+        {photographed(surface, height_with(surface, 0.8), ring(25)), {}, {.lights = ring(25), .rig = {}}},
+        kNoCliffs, {.shadows_tell = true}, &errors, {});
     Image<float> z;
     integrate_normals({steepened_normals(surface.normal, surface.confidence, 0.8), surface.confidence,
                        surface.mm_per_pixel},
