@@ -64,6 +64,95 @@ private:
     GLuint program_;
 };
 
+// What the shader knows of each light, side by side; of one that is dark where there is none.
+struct LightUniforms {
+    std::vector<glm::vec4> lights;
+    std::vector<glm::vec3> gains;
+    std::vector<glm::vec2> places, beams;
+    std::vector<glm::vec3> curved_beams;
+};
+
+LightUniforms uniforms_of(const std::vector<Light>& lights) {
+    LightUniforms all;
+    for (const Light& light : lights) {
+        all.lights.push_back(light.position_mm ? glm::vec4(*light.position_mm, 1)
+                                               : glm::vec4(light.direction, 0));
+        all.gains.push_back(light.gain);
+        const auto& beam = light.beam.terms;
+        all.beams.emplace_back(beam[0], beam[1]);
+        all.curved_beams.emplace_back(beam[2], beam[3], beam[4]);
+        const Angles angles = angles_of(light.direction);
+        all.places.emplace_back(angles.azimuth_deg / 360, angles.elevation_deg * std::numbers::pi / 180);
+    }
+    if (all.lights.empty()) {
+        all.lights.emplace_back(0, 0, 1, 0);
+        all.gains.emplace_back(0);
+        all.places.emplace_back(0);
+        all.beams.emplace_back(0);
+        all.curved_beams.emplace_back(0);
+    }
+    return all;
+}
+
+// Which texture unit holds what; bind_textures() goes by it.
+void set_textures(const Uniforms& u) {
+    u.set("u_texels", 0);
+    u.set("u_horizon", 1);
+    u.set("u_pages", 2);
+    u.set("u_monitor", 3);
+    u.set("u_light_horizon", 4);
+}
+
+void set_tiles(const Uniforms& u, const TileCache& cache, const std::optional<TileCache::Homes>& homes) {
+    u.set("u_first_page", cache.first_entries());
+    if (homes)
+        u.set("u_homes",
+              glm::ivec4(homes->left, homes->top, homes->columns, homes->rows | homes->first << 16));
+}
+
+void set_surface(const Uniforms& u, const TexelTiles& tiles, double mm_per_pixel, int level) {
+    u.set("u_size", tiles.width(), tiles.height());
+    const int last = tiles.levels() - 1;
+    u.set("u_last_level", last);
+    u.set("u_level", std::clamp(level, 0, last));
+    const TexelRange& range = tiles.range();
+    u.set("u_range", glm::vec4(range.diffuse_max, range.specular_max, range.height_min_mm,
+                               range.height_max_mm - range.height_min_mm));
+    u.set("u_mm_per_pixel", static_cast<float>(mm_per_pixel));
+    u.set("u_highest", range.height_max_mm);
+}
+
+void set_lights(const Uniforms& u, const Scene& scene) {
+    const LightUniforms all = uniforms_of(scene.lights);
+    u.set("u_light", all.lights);
+    u.set("u_gain", all.gains);
+    u.set("u_place", all.places);
+    u.set("u_beam", all.beams);
+    u.set("u_beam_curved", all.curved_beams);
+    u.set("u_bend", scene.rig.bend_per_mm);
+    u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
+    u.set("u_ambient", static_cast<float>(scene.ambient));
+    u.set("u_rig_ambient", scene.rig.ambient);
+}
+
+// From the target's pixels.
+void set_viewport(const Uniforms& u, const Shot& shot, const glm::ivec2& corner) {
+    u.set("u_viewport", glm::vec4(corner, shot.width, shot.height));
+    u.set("u_to_painting", shot.to_painting * glm::mat3({1, 0, 0}, {0, 1, 0}, {-glm::vec2(corner), 1}));
+    u.set("u_eye", shot.eye);
+}
+
+// How what is lit becomes a picture.
+void set_look(const Uniforms& u, const Scene& scene) {
+    u.set("u_reflectance_model",
+          glm::vec2(scene.reflectance_model.diffuse_roughness, scene.reflectance_model.second_lobe_weight));
+    u.set("u_exposure", scene.exposure);
+    u.set("u_shoulder", scene.shoulder);
+    u.set("u_background", scene.background);
+    u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm,
+                              scene.mode == ViewMode::curvature ? scene.most_curvature : scene.highest_mm));
+}
+
 }  // namespace
 
 const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, bool linear, bool by_table,
@@ -119,6 +208,18 @@ void Renderer::draw_by_table(const Scene& scene, const Shot& shot, GLuint target
     draw(scene, shot, target, false, {0, 0}, {});
 }
 
+// Each to the unit that set_textures() says.
+void Renderer::bind_textures() const {
+    glActiveTexture(GL_TEXTURE2);
+    glBindTexture(GL_TEXTURE_2D, table_.id());
+    glActiveTexture(GL_TEXTURE3);
+    glBindTexture(GL_TEXTURE_3D, monitor_.id());
+    glActiveTexture(GL_TEXTURE1);
+    glBindTexture(GL_TEXTURE_3D, horizon_.id());
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
+}
+
 void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool linear,
                     const glm::ivec2& corner, const Homes& homes) {
     TP_REQUIRE(tiles_, "there is a painting to draw");
@@ -131,14 +232,7 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     glDisable(GL_BLEND);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_SCISSOR_TEST);
-    glActiveTexture(GL_TEXTURE2);
-    glBindTexture(GL_TEXTURE_2D, table_.id());
-    glActiveTexture(GL_TEXTURE3);
-    glBindTexture(GL_TEXTURE_3D, monitor_.id());
-    glActiveTexture(GL_TEXTURE1);
-    glBindTexture(GL_TEXTURE_3D, horizon_.id());
-    glActiveTexture(GL_TEXTURE0);
-    glBindTexture(GL_TEXTURE_2D_ARRAY, texels_.id());
+    bind_textures();
     glBindVertexArray(nothing_.id());
     if (encodes) glEnable(GL_FRAMEBUFFER_SRGB);
     // Software renderers go through the whole shader where there is no painting, too: they need not look
@@ -151,66 +245,13 @@ void Renderer::draw(const Scene& scene, const Shot& shot, GLuint target, bool li
     }
 
     glUseProgram(program.id());
-    std::vector<glm::vec4> lights;
-    std::vector<glm::vec3> gains;
-    std::vector<glm::vec2> places, beams;
-    std::vector<glm::vec3> curved_beams;
-    for (const Light& light : scene.lights) {
-        lights.push_back(light.position_mm ? glm::vec4(*light.position_mm, 1)
-                                           : glm::vec4(light.direction, 0));
-        gains.push_back(light.gain);
-        const auto& beam = light.beam.terms;
-        beams.emplace_back(beam[0], beam[1]);
-        curved_beams.emplace_back(beam[2], beam[3], beam[4]);
-        const Angles angles = angles_of(light.direction);
-        places.emplace_back(angles.azimuth_deg / 360, angles.elevation_deg * std::numbers::pi / 180);
-    }
-    if (lights.empty()) {
-        lights.emplace_back(0, 0, 1, 0);
-        gains.emplace_back(0);
-        places.emplace_back(0);
-        beams.emplace_back(0);
-        curved_beams.emplace_back(0);
-    }
     const Uniforms u(program.id());
-    u.set("u_texels", 0);
-    u.set("u_horizon", 1);
-    u.set("u_pages", 2);
-    u.set("u_monitor", 3);
-    u.set("u_light_horizon", 4);
-    u.set("u_first_page", cache_.first_entries());
-    if (homes)
-        u.set("u_homes",
-              glm::ivec4(homes->left, homes->top, homes->columns, homes->rows | homes->first << 16));
-    u.set("u_size", tiles_->width(), tiles_->height());
-    const int last = tiles_->levels() - 1;
-    u.set("u_last_level", last);
-    u.set("u_level", std::clamp(shot.level, 0, last));
-    const TexelRange& range = tiles_->range();
-    u.set("u_range", glm::vec4(range.diffuse_max, range.specular_max, range.height_min_mm,
-                               range.height_max_mm - range.height_min_mm));
-    u.set("u_mm_per_pixel", static_cast<float>(mm_per_pixel_));
-    u.set("u_light", lights);
-    u.set("u_gain", gains);
-    u.set("u_place", places);
-    u.set("u_beam", beams);
-    u.set("u_beam_curved", curved_beams);
-    u.set("u_reflectance_model",
-          glm::vec2(scene.reflectance_model.diffuse_roughness, scene.reflectance_model.second_lobe_weight));
-    u.set("u_bend", scene.rig.bend_per_mm);
-    u.set("u_light_radius", static_cast<float>(scene.light_radius_deg * std::numbers::pi / 180));
-    u.set("u_highest", range.height_max_mm);
-    u.set("u_viewport", glm::vec4(corner, shot.width, shot.height));
-    // From the target's pixels.
-    u.set("u_to_painting", shot.to_painting * glm::mat3({1, 0, 0}, {0, 1, 0}, {-glm::vec2(corner), 1}));
-    u.set("u_eye", shot.eye);
-    u.set("u_ambient", static_cast<float>(scene.ambient));
-    u.set("u_rig_ambient", scene.rig.ambient);
-    u.set("u_exposure", scene.exposure);
-    u.set("u_shoulder", scene.shoulder);
-    u.set("u_background", scene.background);
-    u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm,
-                              scene.mode == ViewMode::curvature ? scene.most_curvature : scene.highest_mm));
+    set_textures(u);
+    set_tiles(u, cache_, homes);
+    set_surface(u, *tiles_, mm_per_pixel_, shot.level);
+    set_lights(u, scene);
+    set_viewport(u, shot, corner);
+    set_look(u, scene);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     if (encodes) glDisable(GL_FRAMEBUFFER_SRGB);
     glDisable(GL_SCISSOR_TEST);

@@ -73,6 +73,7 @@ private:
     Fetched fetch(std::span<const TileView> views, std::size_t most_tiles, bool guest);
     void draw(const Scene& scene, const Shot& shot, GLuint target, bool linear, const glm::ivec2& corner,
               const Homes& homes);
+    void bind_textures() const;
     void make_layers(int wanted);
     void towards_lights(const std::vector<Light>& lights);
     bool allocated(int layers);
