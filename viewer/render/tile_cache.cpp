@@ -149,28 +149,22 @@ void TileCache::send_home(std::span<const TileView> views, std::size_t most, Wan
     }
 }
 
-TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t most, bool guest) {
-    ++call_;
-    if (!guest) seen_call_ = call_;
+// What these views need and is not there, in the order in which it is to come; what is there counts as needed
+// now. Notes in `wanted` where a coarser level than the view's has to do.
+std::vector<TileCache::Missing> TileCache::missing_of(std::span<const TileView> views, Wanted& wanted) {
     const int last = static_cast<int>(first_.size()) - 1;
-    struct Missing {
-        TileName tile;
-        double distance;
-    };
     std::vector<Missing> missing;
-    Wanted wanted{.placed = {}, .complete = true, .exact = true, .roomy = true};
     const auto need = [&](const TileName& tile, double distance) {
         if (const auto there = resident_.find(tile); there != resident_.end())
             there->second.used = call_;
         else
             missing.push_back({tile, distance});
     };
-    const auto refuse_exact = [&] { wanted.exact = wanted.roomy = false; };
     need({last, 0, 0}, 0);
     for (const TileView& view : views) {
         if (view.outline.empty()) continue;
         const int level = affordable(view);
-        if (level != std::clamp(view.level, 0, last)) refuse_exact();
+        if (level != std::clamp(view.level, 0, last)) wanted.exact = wanted.roomy = false;
         glm::dvec2 middle(0);
         for (const glm::dvec2& p : view.outline) middle += p / static_cast<double>(view.outline.size());
         for (const int l : {level + kStandIn, level})
@@ -184,7 +178,14 @@ TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t m
     std::stable_sort(missing.begin(), missing.end(), [](const Missing& a, const Missing& b) {
         return std::pair(-a.tile.level, a.distance) < std::pair(-b.tile.level, b.distance);
     });
-    for (const Missing& m : missing) {
+    return missing;
+}
+
+TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t most, bool guest) {
+    ++call_;
+    if (!guest) seen_call_ = call_;
+    Wanted wanted{.placed = {}, .complete = true, .exact = true, .roomy = true};
+    for (const Missing& m : missing_of(views, wanted)) {
         if (resident_.contains(m.tile)) continue;  // two views need it
         if (wanted.placed.size() == most) {
             wanted.complete = wanted.exact = false;
@@ -192,7 +193,7 @@ TileCache::Wanted TileCache::want(std::span<const TileView> views, std::size_t m
         }
         const auto layer = layer_for(m.tile, guest, wanted.roomy);
         if (!layer) {
-            refuse_exact();
+            wanted.exact = wanted.roomy = false;
             break;
         }
         settle(m.tile, *layer, wanted);

@@ -74,6 +74,10 @@ private:
         int layer = 0;
         std::uint64_t used = 0;  // the call of want() that needed it last
     };
+    struct Missing {
+        TileName tile;
+        double distance = 0;  // [pixels of the painting] from the view's middle
+    };
     void make_homes();
     int home_of(const TileName& tile) const;
     bool may_go(int layer, bool guest) const;
@@ -84,6 +88,7 @@ private:
     template <class Visit>
     void for_each_tile(int level, const std::vector<glm::dvec2>& outline, const Visit& visit) const;
     int affordable(const TileView& view) const;
+    std::vector<Missing> missing_of(std::span<const TileView> views, Wanted& wanted);
     std::optional<int> layer_for(const TileName& tile, bool guest, bool& roomy);
 
     int width_ = 0, height_ = 0, layers_ = 0;
