@@ -28,13 +28,20 @@ float between(const Image<float>& z, float x, float y) {
     return top + fy * (bottom - top);
 }
 
-// Tangent of the horizon's elevation towards (dx, dy) [unit, texels, y down]. Steps grow with the distance:
-// far relief is seen under small angles.
-float horizon(const Image<float>& z, int x, int y, float dx, float dy, float highest, float mm) {
+struct Relief {
+    const Image<float>& height_mm;
+    float highest_mm, mm_per_texel;
+};
+
+// Tangent of the horizon's elevation at (x, y) towards (dx, dy) [unit, texels, y down]. Steps grow with the
+// distance: far relief is seen under small angles.
+float horizon(const Relief& relief, int x, int y, float dx, float dy) {
+    const Image<float>& z = relief.height_mm;
     const float here = z(x, y), right = static_cast<float>(z.width() - 1),
                 bottom = static_cast<float>(z.height() - 1);
+    const float mm = relief.mm_per_texel;
     float best = kLowest;
-    for (float t = 1; highest - here > best * t * mm; t += std::max(1.0f, t / 16)) {
+    for (float t = 1; relief.highest_mm - here > best * t * mm; t += std::max(1.0f, t / 16)) {
         const float px = static_cast<float>(x) + t * dx, py = static_cast<float>(y) + t * dy;
         if (!(px >= 0 && py >= 0 && px <= right && py <= bottom)) break;
         best = std::max(best, (between(z, px, py) - here) / (t * mm));
@@ -78,8 +85,8 @@ HorizonMap horizon_map(const CoarseHeights& heights, const Progress& progress) {
     HorizonMap map{z.width(), z.height(), {}};
     map.values.assign(z.size() * HorizonMap::kAzimuths, 0);
     if (z.width() < 2 || z.height() < 2) return map;
-    const float highest = *std::max_element(z.pixels().begin(), z.pixels().end());
-    const auto mm = static_cast<float>(heights.mm_per_texel);
+    const Relief relief{z, *std::max_element(z.pixels().begin(), z.pixels().end()),
+                        static_cast<float>(heights.mm_per_texel)};
     for (int azimuth = 0; azimuth < HorizonMap::kAzimuths; ++azimuth) {
         report(progress, "shadows", azimuth / static_cast<double>(HorizonMap::kAzimuths));
         const double angle = 2 * kPi * azimuth / HorizonMap::kAzimuths;
@@ -89,7 +96,7 @@ HorizonMap horizon_map(const CoarseHeights& heights, const Progress& progress) {
             for (int y = begin; y < end; ++y)
                 for (int x = 0; x < z.width(); ++x)
                     slice[static_cast<std::size_t>(y) * static_cast<std::size_t>(z.width()) +
-                          static_cast<std::size_t>(x)] = code_of(horizon(z, x, y, dx, dy, highest, mm));
+                          static_cast<std::size_t>(x)] = code_of(horizon(relief, x, y, dx, dy));
         });
     }
     report(progress, "shadows", 1);
