@@ -51,7 +51,7 @@ void open(const char* path) {
     const auto draw = [&](const std::shared_ptr<const TexelTiles>& tiles, double mm_per_pixel) {
         renderer.set_painting(tiles, mm_per_pixel);
         const Extent painting{tiles->width(), tiles->height()};
-        const Placement place(fitted(painting, screen), {}, false, painting, screen, mm_per_pixel);
+        const Placement place(fitted(painting, screen), {}, painting, screen, mm_per_pixel);
         const Shot shot = place.shot(1, true);
         renderer.fetch(scene, shot);
         renderer.draw(scene, shot, target.framebuffer());

@@ -92,7 +92,7 @@ void tilt_whole(benchmark::State& state, int width, int height) {
     const auto draw = [&] {
         angle += 0.02f;
         const Tilt tilt{.angle_deg = {10 * std::sin(angle), 5}};
-        const Placement placement(view, tilt, false, painting, screen, s.mm_per_pixel);
+        const Placement placement(view, {tilt}, painting, screen, s.mm_per_pixel);
         const Scene scene{.lights = {distant_light(placement.in_surface({-0.5f, 0.5f, 0.6f}))}};
         renderer.fetch(scene, placement.shot(1, false));
         renderer.draw(scene, placement.shot(1, false), target.framebuffer());

@@ -156,9 +156,12 @@ Extent pane(const WindowState& state, Extent screen) {
 }
 
 Placement placement_of(const WindowState& state, Extent screen) {
-    const Tilt& tilt = state.comparing.on ? Tilt{} : state.tilt;
-    return Placement(state.view, tilt, state.flat, state.painting, pane(state, screen), state.mm_per_pixel,
-                     state.comparing.on ? Vec3(0, 0, 1) : state.viewer);
+    Placement::Pose pose{.flat = state.flat};
+    if (!state.comparing.on) {  // photographs are held straight
+        pose.tilt = state.tilt;
+        pose.viewer = state.viewer;
+    }
+    return Placement(state.view, pose, state.painting, pane(state, screen), state.mm_per_pixel);
 }
 
 Scene scene_of(const WindowState& state, const Placement& placement) {

@@ -64,11 +64,10 @@ View pinched(View view, const glm::dvec2& from, const glm::dvec2& to, double fac
     return view;
 }
 
-Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
-                     double mm_per_pixel, const Vec3& viewer)
+Placement::Placement(const View& view, const Pose& pose, Extent painting, Extent screen, double mm_per_pixel)
     : screen_(screen), zoom_(view.zoom) {
-    const glm::dmat3 turn = rotation_z(view.turn_deg * kDegree), hand = tilt.rotation();
-    const glm::dmat3 seen = flat ? glm::dmat3(1) : hand;
+    const glm::dmat3 turn = rotation_z(view.turn_deg * kDegree), hand = pose.tilt.rotation();
+    const glm::dmat3 seen = pose.flat ? glm::dmat3(1) : hand;
     const double distance = kEyeHeights * std::max(screen.height, 1);  // [pixels of the screen]
     // Painting -> plane through the middle of the screen, in its pixels, y up. Columns.
     const double z = view.zoom;
@@ -80,7 +79,8 @@ Placement::Placement(const View& view, const Tilt& tilt, bool flat, Extent paint
     screen_from_painting_ = screened * projected * plane;
     painting_from_screen_ = glm::inverse(screen_from_painting_);
     orientation_ = glm::transpose(hand * turn);
-    const glm::dvec3 eye = glm::transpose(seen * turn) * (distance / z * mm_per_pixel * glm::dvec3(viewer));
+    const glm::dvec3 eye =
+        glm::transpose(seen * turn) * (distance / z * mm_per_pixel * glm::dvec3(pose.viewer));
     const glm::dvec2 middle((painting.width - 1) / 2.0, (painting.height - 1) / 2.0);
     const glm::dvec2 centre = (view.centre_px - middle) * mm_per_pixel;
     eye_ = {eye.x + centre.x, eye.y - centre.y, eye.z, 1};

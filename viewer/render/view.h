@@ -37,13 +37,17 @@ View pinched(View view, const glm::dvec2& from, const glm::dvec2& to, double fac
              Extent screen);
 
 // The painting in space: turned by view and tilt about the middle of the screen, seen in perspective from
-// three heights of the screen. `flat`: the screen itself is tilted, as a tablet: the picture stays, the
-// light moves. `viewer`: the direction to whoever looks, a unit vector; gloss is seen from there, while the
-// picture stays: the eye itself sees the screen from aside.
+// three heights of the screen.
 class Placement {
 public:
-    Placement(const View& view, const Tilt& tilt, bool flat, Extent painting, Extent screen,
-              double mm_per_pixel, const Vec3& viewer = {0, 0, 1});
+    // How it is held before whoever looks; without: upright, seen from straight before it.
+    struct Pose {
+        Tilt tilt{};
+        bool flat = false;  // the screen itself is tilted, as a tablet: the picture stays, the light moves
+        Vec3 viewer = {0, 0, 1};  // the direction to whoever looks, a unit vector: gloss is seen from there,
+                                  // the picture stays, since the eye itself sees the screen from aside
+    };
+    Placement(const View& view, const Pose& pose, Extent painting, Extent screen, double mm_per_pixel);
 
     // Screen -> painting; false where the ray misses the painting's plane.
     bool to_painting(const glm::dvec2& screen, glm::dvec2& painting) const;

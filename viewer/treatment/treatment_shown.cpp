@@ -56,7 +56,7 @@ void TreatmentController::hold(const HeldPair& pair) {
 void TreatmentController::compare_states() {
     const TreatmentState& t = state_.treatment_state;
     // As they are held against each other: not tilted.
-    const Placement straight(state_.view, {}, false, state_.painting, state_.painting, state_.mm_per_pixel);
+    const Placement straight(state_.view, {}, state_.painting, state_.painting, state_.mm_per_pixel);
     start("relighting two states",
           [this, painter = painter_, scene = scene_of(state_, straight), left = t.left,
            right = t.right](const Progress& progress) -> Finish {

@@ -50,7 +50,7 @@ Image<Rgb> reference_of(Surface surface) {
 double off_from(const Image<Rgb>& reference, const Image<Rgb>& seen) {
     const Extent painting{reference.width(), reference.height()},
         screen{Screen::kWidth - kPanels, Screen::kHeight};
-    const Placement place(fitted(painting, screen), {}, false, painting, screen, 1);
+    const Placement place(fitted(painting, screen), {}, painting, screen, 1);
     constexpr int kSquares = 24, kMargin = 40;  // the probe's and the status line's are left out
     double sum = 0, count = 0;
     for (int v = 1; v + 1 < kSquares; ++v)

@@ -309,8 +309,8 @@ TEST_F(Panels, ALongMessageIsCutToTwoLines) {
         float top = 720;
         for (int i = 0; i < 3; ++i) {
             ImGui::NewFrame();
-            panels::overlay(state_, Placement(fitted({400, 300}, screen), {}, false, {400, 300}, screen, 1),
-                            screen, {0, 0}, false);
+            panels::overlay(state_, Placement(fitted({400, 300}, screen), {}, {400, 300}, screen, 1), screen,
+                            {0, 0}, false);
             top = 720;
             for (const ImDrawVert& v : ImGui::GetBackgroundDrawList()->VtxBuffer)
                 top = std::min(top, v.pos.y);

@@ -255,7 +255,7 @@ TEST_F(RendererTest, ThePaintingIsWholeWhereverItLies) {
     for (const View& view : {View{{45, 30}, 1.2, 0}, View{{45, 30}, 1.2, 33}, View{{5, 70}, 2, 0},
                              View{{45, 30}, 9, 0}, View{{400, 30}, 1, 0}})
         for (const glm::dvec2 tilt_deg : {glm::dvec2(0, 0), glm::dvec2(50, 0), glm::dvec2(-70, 60)}) {
-            const Placement placement(view, {.angle_deg = tilt_deg}, false, kPainting, kSmallScreen,
+            const Placement placement(view, {{.angle_deg = tilt_deg}}, kPainting, kSmallScreen,
                                       s.mm_per_pixel);
             const Shot shot = placement.shot(1, false);
             const Image<Rgb> linear = drawn(scene, shot), encoded = drawn(scene, shot, false);

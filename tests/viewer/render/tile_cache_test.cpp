@@ -36,7 +36,7 @@ TEST(TileCache, HoldsWhatAShotShows) {
                         .turn_deg = random.real(0, 360)};
         Tilt tilt;
         tilt.angle_deg = {random.real(-70, 70), random.real(-70, 70)};
-        const Placement placement(view, tilt, false, {kWidth, kHeight}, screen, 1);
+        const Placement placement(view, {tilt}, {kWidth, kHeight}, screen, 1);
         const Shot shot = placement.shot(1, true);
         TileCache cache(kWidth, kHeight, 2047);
         const int level = std::min(shot.level, level_count(kWidth, kHeight) - 1);

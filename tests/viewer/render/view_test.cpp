@@ -9,7 +9,7 @@ namespace {
 constexpr Extent kPainting{600, 400}, kScreen{1000, 800};
 
 Placement placed(const View& view, const glm::dvec2& tilt_deg = {}, bool flat = false) {
-    return Placement(view, {.angle_deg = tilt_deg}, flat, kPainting, kScreen, 0.1);
+    return Placement(view, {{.angle_deg = tilt_deg}, flat}, kPainting, kScreen, 0.1);
 }
 
 TEST(View, FitsThePaintingInTheScreen) {
