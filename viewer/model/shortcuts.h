@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -75,7 +76,7 @@ struct Shortcut {
     const char* defaults;  // chords, separated by spaces
     const char* help;
 };
-const std::vector<Shortcut>& shortcuts();
+std::span<const Shortcut> shortcuts();
 const char* help_of(Action action);
 
 // A key as GLFW numbers it, and modifiers (GLFW_MOD_SHIFT, _CONTROL, _ALT).
