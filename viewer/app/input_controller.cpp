@@ -61,19 +61,39 @@ void InputController::begin_board_stroke(const InputEvent& event) {
     painter_.send(PointEvent{board_point(event)});
 }
 
+void InputController::follow(const InputEvent& event, double left) {
+    cursor_ = event.at - glm::dvec2(left, 0);
+    pen_ = event.pen;
+    state_.pen = pen_;
+    over_canvas_ =
+        cursor_.x >= 0 && cursor_.y >= 0 && cursor_.x < screen_.width && cursor_.y < screen_.height;
+    // Beside a photograph, both halves show the same part of the painting.
+    const Extent half = pane(state_, screen_);
+    if (half.width < screen_.width && cursor_.x >= half.width) cursor_.x -= half.width;
+}
+
+// On the mixing palette, the panels or the canvas. A second button changes nothing.
+void InputController::press_somewhere(const InputEvent& event, bool panels_busy) {
+    if (drag_ != Drag::none) return;
+    source_ = event.source;
+    if (state_.board.has(event.at))
+        begin_board_stroke(event);
+    else if (!over_canvas_ || panels_busy)
+        drag_ = Drag::panel;
+    else
+        press(event);
+    button_ = event.code;
+}
+
+void InputController::release(const InputEvent& event) {
+    if (event.code != button_) return;
+    if (drag_ == Drag::tilt) state_.tilt = dragged(state_.tilt, 0, 0, event.time_s - last_time_s_);
+    let_go();
+}
+
 void InputController::take(const InputEvent& event, Extent screen, double left, bool panels_busy,
                            bool typing) {
     screen_ = screen;
-    const auto follow = [&] {
-        cursor_ = event.at - glm::dvec2(left, 0);
-        pen_ = event.pen;
-        state_.pen = pen_;
-        over_canvas_ =
-            cursor_.x >= 0 && cursor_.y >= 0 && cursor_.x < screen.width && cursor_.y < screen.height;
-        // Beside a photograph, both halves show the same part of the painting.
-        const Extent half = pane(state_, screen);
-        if (half.width < screen.width && cursor_.x >= half.width) cursor_.x -= half.width;
-    };
     using Kind = InputEvent::Kind;
     const bool points = event.kind == Kind::move || event.kind == Kind::press ||
                         event.kind == Kind::release || event.kind == Kind::lost;
@@ -81,28 +101,16 @@ void InputController::take(const InputEvent& event, Extent screen, double left, 
     if (holds() && points && event.source != source_) return;
     switch (event.kind) {
         case InputEvent::Kind::move:
-            follow();
+            follow(event, left);
             move(event);
             break;
         case InputEvent::Kind::press:
-            follow();
-            if (drag_ != Drag::none) break;  // a second button changes nothing
-            source_ = event.source;
-            if (state_.board.has(event.at))
-                begin_board_stroke(event);
-            else if (!over_canvas_ || panels_busy)
-                drag_ = Drag::panel;
-            else
-                press(event);
-            button_ = event.code;
+            follow(event, left);
+            press_somewhere(event, panels_busy);
             break;
         case InputEvent::Kind::release:
-            follow();
-            if (event.code == button_) {
-                if (drag_ == Drag::tilt)
-                    state_.tilt = dragged(state_.tilt, 0, 0, event.time_s - last_time_s_);
-                let_go();
-            }
+            follow(event, left);
+            release(event);
             break;
         case InputEvent::Kind::wheel:
             if (over_canvas_ && !panels_busy && !draws())  // else what is drawn would jump
@@ -254,6 +262,40 @@ void InputController::add_to_stroke(const StrokePoint& point) {
     for (const StrokePoint& earlier : std::exchange(points_beside_, {})) painter_.send(PointEvent{earlier});
 }
 
+void InputController::move_light() {
+    const double radius = 0.5 * std::min(screen_.width, screen_.height);
+    state_.sweeping = false;
+    state_.lights[state_.light].angles =
+        light_at({(cursor_.x - screen_.width / 2.0) / radius, (screen_.height / 2.0 - cursor_.y) / radius});
+}
+
+// From the corner where it began to `at` [pixels of the painting], both within.
+void InputController::stretch_region(const glm::dvec2& at) {
+    const auto pixel = [](double v, int size) {
+        return std::clamp(static_cast<int>(std::floor(v + 0.5)), 0, size);
+    };
+    const Region region{pixel(std::min(corner_.x, at.x), state_.painting.width),
+                        pixel(std::min(corner_.y, at.y), state_.painting.height),
+                        pixel(std::max(corner_.x, at.x) + 1, state_.painting.width),
+                        pixel(std::max(corner_.y, at.y) + 1, state_.painting.height)};
+    if (!region.empty()) state_.region = region;
+}
+
+// What is dragged over the painting itself; nothing beyond the horizon of one that is tilted away.
+void InputController::move_on_painting(const InputEvent& event) {
+    glm::dvec2 at;
+    if (!placement().to_painting(cursor_, at)) return;
+    if (drag_ == Drag::paint)
+        add_to_stroke(point(at, event.time_s));
+    else if (drag_ == Drag::mask)
+        state_.treatment_state.touches.push_back(
+            {MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
+    else if (drag_ == Drag::region)
+        stretch_region(at);
+    else if (drag_ == Drag::ruler && state_.ruler)
+        state_.ruler->second = at;
+}
+
 void InputController::move(const InputEvent& event) {
     const glm::dvec2 by = cursor_ - last_;
     const double seconds = event.time_s - last_time_s_;
@@ -265,25 +307,15 @@ void InputController::move(const InputEvent& event) {
         case Drag::pan:
             state_.view = panned(state_.view, by);
             break;
-        case Drag::light: {
-            const double radius = 0.5 * std::min(screen_.width, screen_.height);
-            state_.sweeping = false;
-            state_.lights[state_.light].angles = light_at(
-                {(cursor_.x - screen_.width / 2.0) / radius, (screen_.height / 2.0 - cursor_.y) / radius});
+        case Drag::light:
+            move_light();
             break;
-        }
-        case Drag::paint: {
-            glm::dvec2 at;  // none beyond the horizon of a painting that is tilted away
-            if (placement().to_painting(cursor_, at)) add_to_stroke(point(at, event.time_s));
+        case Drag::paint:
+        case Drag::mask:
+        case Drag::region:
+        case Drag::ruler:
+            move_on_painting(event);
             break;
-        }
-        case Drag::mask: {
-            glm::dvec2 at;
-            if (placement().to_painting(cursor_, at))
-                state_.treatment_state.touches.push_back(
-                    {MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
-            break;
-        }
         case Drag::board:
             if (state_.board.rect[2] > 0) painter_.send(PointEvent{board_point(event)});
             break;
@@ -294,24 +326,6 @@ void InputController::move(const InputEvent& event) {
             state_.comparing.divider =
                 std::clamp(static_cast<float>(cursor_.x / std::max(screen_.width, 1)), 0.0f, 1.0f);
             break;
-        case Drag::region: {
-            glm::dvec2 at;
-            if (!placement().to_painting(cursor_, at)) break;
-            const auto pixel = [](double v, int size) {
-                return std::clamp(static_cast<int>(std::floor(v + 0.5)), 0, size);
-            };
-            const Region region{pixel(std::min(corner_.x, at.x), state_.painting.width),
-                                pixel(std::min(corner_.y, at.y), state_.painting.height),
-                                pixel(std::max(corner_.x, at.x) + 1, state_.painting.width),
-                                pixel(std::max(corner_.y, at.y) + 1, state_.painting.height)};
-            if (!region.empty()) state_.region = region;
-            break;
-        }
-        case Drag::ruler: {
-            glm::dvec2 at;
-            if (state_.ruler && placement().to_painting(cursor_, at)) state_.ruler->second = at;
-            break;
-        }
         case Drag::none:
         case Drag::panel:
             break;

@@ -38,12 +38,21 @@ public:
 private:
     enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, mask, panel };
 
+    void follow(const InputEvent& event, double left);
     void press(const InputEvent& event);
+    void press_somewhere(const InputEvent& event, bool panels_busy);
+    void release(const InputEvent& event);
     void move(const InputEvent& event);
+    void move_light();
+    void move_on_painting(const InputEvent& event);
+    void stretch_region(const glm::dvec2& at);
     void key(const InputEvent& event);
     void rebind(const InputEvent& event);
     void gesture(const InputEvent& event);
-    void act(Action action);
+    void painting_act(Action action);
+    void window_act(Action action);
+    void file_act(Action action);
+    void resize_brush(bool larger);
     bool is_idle(Action action, double time_s);
     void look_act(Action action);
     Drag drag_for(const InputEvent& event) const;
@@ -54,6 +63,7 @@ private:
     bool mask_key(const InputEvent& event);
     void close_polygon(bool erase);
     void treatment_act(Action action);
+    void next_stage();
     Placement placement() const;
     StrokePoint point(const glm::dvec2& at, double time_s) const;
     void hold(StrokePoint& point, double turn_deg) const;

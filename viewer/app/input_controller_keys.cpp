@@ -73,7 +73,9 @@ void InputController::key(const InputEvent& event) {
             state_.tool = tool.tool;
         }
     look_act(*action);
-    act(*action);
+    painting_act(*action);
+    window_act(*action);
+    file_act(*action);
     if (*action == Action::treatment || state_.treatment_state.on) treatment_act(*action);
 }
 
@@ -127,8 +129,40 @@ void InputController::look_act(Action action) {
     }
 }
 
-// What is asked of the window and the painter, and the brush.
-void InputController::act(Action action) {
+// Of the brush that the tool has: the painter's, or the one that draws damage.
+void InputController::resize_brush(bool larger) {
+    float& mask_mm = state_.treatment_state.brush_mm;
+    double& size_mm = state_.brush.size_mm;
+    if (state_.tool == Tool::damage)
+        mask_mm = larger ? std::min(mask_mm * 1.15f, 100.0f) : std::max(mask_mm / 1.15f, 0.2f);
+    else
+        size_mm = larger ? std::min(size_mm * 1.15, 500.0) : std::max(size_mm / 1.15, 0.1);
+}
+
+// What changes the painting: strokes, or damage that is drawn.
+void InputController::painting_act(Action action) {
+    WindowState::Requests& ask = state_.ask;
+    switch (action) {
+        case Action::dry:
+            ask.dry = true;
+            break;
+        case Action::undo:
+            (state_.tool == Tool::damage ? state_.treatment_state.ask.undo : ask.undo) = true;
+            break;
+        case Action::redo:
+            (state_.tool == Tool::damage ? state_.treatment_state.ask.redo : ask.redo) = true;
+            break;
+        case Action::brush_smaller:
+        case Action::brush_larger:
+            resize_brush(action == Action::brush_larger);
+            break;
+        default:
+            break;
+    }
+}
+
+// What is asked of the window.
+void InputController::window_act(Action action) {
     WindowState::Requests& ask = state_.ask;
     switch (action) {
         case Action::fit:
@@ -140,29 +174,6 @@ void InputController::act(Action action) {
         case Action::straighten:
             ask.straighten = true;
             break;
-        case Action::dry:
-            ask.dry = true;
-            break;
-        case Action::undo:
-            (state_.tool == Tool::damage ? state_.treatment_state.ask.undo : ask.undo) = true;
-            break;
-        case Action::redo:
-            (state_.tool == Tool::damage ? state_.treatment_state.ask.redo : ask.redo) = true;
-            break;
-        case Action::brush_smaller:
-            if (state_.tool == Tool::damage) {
-                state_.treatment_state.brush_mm = std::max(state_.treatment_state.brush_mm / 1.15f, 0.2f);
-                break;
-            }
-            state_.brush.size_mm = std::max(state_.brush.size_mm / 1.15, 0.1);
-            break;
-        case Action::brush_larger:
-            if (state_.tool == Tool::damage) {
-                state_.treatment_state.brush_mm = std::min(state_.treatment_state.brush_mm * 1.15f, 100.0f);
-                break;
-            }
-            state_.brush.size_mm = std::min(state_.brush.size_mm * 1.15, 500.0);
-            break;
         case Action::next_photo:
             ask.step_photo = 1;
             break;
@@ -171,18 +182,6 @@ void InputController::act(Action action) {
             break;
         case Action::report:
             ask.report_dialog = state_.comparing.news.book != nullptr;
-            break;
-        case Action::fresh:
-            ask.new_canvas = true;
-            break;
-        case Action::open:
-            ask.open_dialog = true;
-            break;
-        case Action::save:
-            ask.save = true;
-            break;
-        case Action::save_as:
-            ask.save_dialog = true;
             break;
         case Action::snapshot:
             ask.snapshot = true;
@@ -195,6 +194,27 @@ void InputController::act(Action action) {
             break;
         case Action::help:
             state_.help = !state_.help;
+            break;
+        default:
+            break;
+    }
+}
+
+// What is asked of files.
+void InputController::file_act(Action action) {
+    WindowState::Requests& ask = state_.ask;
+    switch (action) {
+        case Action::fresh:
+            ask.new_canvas = true;
+            break;
+        case Action::open:
+            ask.open_dialog = true;
+            break;
+        case Action::save:
+            ask.save = true;
+            break;
+        case Action::save_as:
+            ask.save_dialog = true;
             break;
         case Action::close:
             ask.close = true;

@@ -63,6 +63,17 @@ bool InputController::mask_key(const InputEvent& event) {
     return true;
 }
 
+// From the painting as it is through its stages and back; before and cleaned are the same here.
+void InputController::next_stage() {
+    std::optional<TreatmentStage>& stage = state_.treatment_state.state;
+    if (!stage)
+        stage = TreatmentStage::before;
+    else if (*stage == TreatmentStage::varnished)
+        stage.reset();
+    else
+        stage = std::max(static_cast<TreatmentStage>(static_cast<int>(*stage) + 1), TreatmentStage::filled);
+}
+
 void InputController::treatment_act(Action action) {
     TreatmentState& t = state_.treatment_state;
     TreatmentState::Ask& ask = t.ask;
@@ -92,14 +103,8 @@ void InputController::treatment_act(Action action) {
         case Action::varnish:
             ask.varnish = true;
             break;
-        case Action::next_state:  // before and cleaned are the same here
-            if (!t.state)
-                t.state = TreatmentStage::before;
-            else if (*t.state == TreatmentStage::varnished)
-                t.state.reset();
-            else
-                t.state = std::max(static_cast<TreatmentStage>(static_cast<int>(*t.state) + 1),
-                                   TreatmentStage::filled);
+        case Action::next_state:
+            next_stage();
             break;
         case Action::compare_states:
             ask.compare_states = true;
