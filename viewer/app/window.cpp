@@ -39,10 +39,8 @@ std::unique_ptr<FirstOpening> opening_of(const WindowSetup& setup, const Progres
 }
 
 constexpr double kSweep_deg_per_s = 40;
-constexpr double kFrame_s = 1 / 60.0;
 constexpr std::size_t kFetchBytes = std::size_t(8) << 20;  // for the loupe, in one frame
 constexpr int kMostMoments = 100;                          // of panels in one frame; further ones wait
-constexpr int kMostHeldFrames = 10;                        // that keys wait for what a dialog does
 
 }  // namespace
 
@@ -140,7 +138,7 @@ void WindowApp::loupe(const Scene& scene) {
     View view = state_.view;
     view.centre_px = at;
     view.zoom *= kLarger;
-    const Placement place(view, state_.tilt, state_.flat, state_.painting, {kSide, kSide},
+    const Placement place(view, {state_.tilt, state_.flat}, state_.painting, {kSide, kSide},
                           state_.mm_per_pixel);
     const Shot shot = place.shot(1, true);
     if (!renderer_.fetch(scene, shot, kFetchBytes, true).complete) settle_ = std::max(settle_, 2);
@@ -242,149 +240,6 @@ std::string WindowApp::seen_now(const Placement& place) const {
                            static_cast<const void*>(comparing.held().get()), static_cast<int>(comparing.way),
                            comparing.divider, comparing.blink_photo);
     return seen;
-}
-
-// A painting that is seen whole, as it was fitted, stays so, also in the half beside a photograph.
-void WindowApp::resize(Extent screen) {
-    const View was = fitted(state_.painting, pane_, state_.view.turn_deg);
-    const bool is_fitted =
-        !fitted_ || (state_.view.centre_px == was.centre_px && state_.view.zoom == was.zoom);
-    if (screen.width > 0 && screen.height > 0) screen_ = screen;
-    pane_ = pane(state_, screen_);
-    if (is_fitted) state_.view = fitted(state_.painting, pane_, state_.view.turn_deg);
-    fitted_ = true;
-}
-
-// Each key does what it does before the next: two Ctrl+Z that come within one slow frame are two. What comes
-// after one that may close a dialog waits until it is known whether it did.
-void WindowApp::take_input(std::deque<InputEvent> events) {
-    events.insert(events.begin(), held_back_.begin(), held_back_.end());
-    held_back_.clear();
-    const bool floating = state_.help || dialog_ || state_.profile || state_.statistics ||
-                          state_.board.open || state_.new_canvas.open;
-    const bool unfolded = PanelInput::popup_is_open();
-    const bool panels_busy = unfolded || (floating && ImGui::GetIO().WantCaptureMouse);
-    // A dialog that is gone is typed into until Dear ImGui has noticed.
-    bool undecided = held_frames_ > 0 && (dialog_ ? panel_input_.waits() : ImGui::GetIO().WantTextInput);
-    if (held_frames_ > 0) --held_frames_;
-    while (!events.empty() && !undecided) {
-        const InputEvent event = events.front();
-        events.pop_front();
-        panel_input_.put(event);
-        hand_->take(event, screen_, left_, panels_busy, dialog_ || unfolded || ImGui::GetIO().WantTextInput);
-        if (event.kind != InputEvent::Kind::key) continue;
-        requests();
-        undecided = dialog_ && (event.code == GLFW_KEY_ESCAPE || event.code == GLFW_KEY_ENTER ||
-                                event.code == GLFW_KEY_KP_ENTER);
-        if (undecided) held_frames_ = kMostHeldFrames;
-    }
-    held_back_ = std::move(events);
-}
-
-// True while there is something to do.
-bool WindowApp::frame() {
-    const double before = now_s_;
-    now_s_ = glfwGetTime();
-    const bool was_woken = input_.woken();
-    std::deque<InputEvent> events = input_.take();
-    const bool woken = was_woken || !events.empty() || !held_back_.empty();
-    glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
-    state_.window_width = window_size_.width;
-    left_ = hand_->panels_wanted() ? panels::width(state_) : 0;
-    state_.canvas_left = static_cast<float>(left_);
-    const float right = hand_->panels_wanted() ? panels::treatment_width(state_) : 0;
-    const Extent screen{window_size_.width - static_cast<int>(left_ + static_cast<double>(right)),
-                        window_size_.height};
-    const bool resized = screen.width != screen_.width || screen.height != screen_.height;
-    const Extent now = pane(state_, screen_);  // half of it, where a photograph came to its side
-    if (resized || !fitted_ || now.width != pane_.width || now.height != pane_.height) resize(screen);
-    take_input(std::move(events));
-    take_dropped();
-    progress_due_ |= documents_->look();
-    progress_due_ |= treatment_state_->look();
-    if (progress_due_ && now_s_ - progress_s_ > kProgress_s) {
-        settle_ = std::max(settle_, 1);
-        progress_s_ = now_s_;
-        progress_due_ = false;
-    }
-    if (state_.tool == Tool::paint && !ready_to_paint_) painter_->get_ready();
-    ready_to_paint_ |= state_.tool == Tool::paint;
-    requests();
-    if (state_.illuminant_now() != shown_in_) painter_->show_in(shown_in_ = state_.illuminant_now());
-    news();
-    preview_canvas();
-    hand_->probe(dirty_);
-    if (auto opened = documents_->opened()) {
-        if (opened->palette) {
-            state_.use_palette(*opened->palette);
-            treatment_state_->use_palette(*opened->palette);
-        }
-        show(std::move(*opened), false);
-    }
-    if (state_.help) state_.pens = input_.pens();
-    devices_->step(now_s_, std::min(now_s_ - before, 0.1), screen_);
-    film();
-    animate(std::min(now_s_ - before, 0.1));
-    if (screen.width <= 0 || window_size_.height <= 0 ||
-        glfwGetWindowAttrib(window_.handle(), GLFW_ICONIFIED)) {
-        settle_ = kFramesAfterwards;  // when it comes back
-        return false;                 // nothing to be seen
-    }
-
-    const Placement place = placement();
-    std::string seen = seen_now(place);
-    const Comparing& comparing = state_.comparing;
-    const bool moved = seen != seen_;
-    seen_ = std::move(seen);
-    if (moved) moved_s_ = now_s_;
-    if (woken || moved || dirty_ || resized) settle_ = kFramesAfterwards;
-    const bool rests = now_s_ - moved_s_ > 0.15, fine = comparing.shows() || picture_.fine();
-    if (settle_ > 0 || !changed_.empty() || (rests && !fine)) {
-        // Fine pictures wait until the hand rests.
-        if (moved || dirty_ || fine || rests) {
-            draw(moved || (!rests && !fine));
-            --settle_;
-        }
-    } else if (cold_shaders_ > 0 && rests && !hand_->holds()) {
-        warm_up_table();
-    }
-    return state_.finishing || cold_shaders_ > 0 || state_.tilt.moves() || state_.sweeping || recorder_ ||
-           settle_ > 0 || !changed_.empty() || !fine ||
-           (comparing.shows() && comparing.way == CompareWay::blink);
-}
-
-WindowResult WindowApp::run() {
-    if (!open_first()) {
-        result_.file = file_;
-        return result_;
-    }
-    bool busy = true;
-    for (;;) {
-        if (busy)
-            input_.hear();
-        else
-            input_.hear(devices_->polled() || input_.polled() ? kFrame_s : 0.25);
-        if (stop_wanted_ && stop_wanted_()) break;
-        if (closing()) break;
-        busy = frame();
-        // Without vertical synchronisation, or with a picture that did not change, do not spin.
-        if (busy) {
-            const double left = now_s_ + kFrame_s - glfwGetTime();
-            if (left > 0) input_.hear(left);
-        }
-    }
-    hand_->let_go();
-    // Who ends programs kills them soon afterwards: what waits goes into the journal at once, though it was
-    // to be saved.
-    painter_->hurry(stop_wanted_ && stop_wanted_());
-    tally();
-    result_.tilt_deg = state_.tilt.angle_deg;
-    result_.light_azimuth_deg = state_.lights.front().angles.azimuth_deg;
-    result_.light_elevation_deg = state_.lights.front().angles.elevation_deg;
-    const UploadedBytes& uploaded = renderer_.uploaded();
-    result_.uploaded_bytes = uploaded.changes + uploaded.horizons;
-    result_.fetched_bytes = uploaded.tiles;
-    return result_;
 }
 
 WindowResult run_window(WindowSetup setup, const Progress& progress) {

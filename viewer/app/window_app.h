@@ -1,7 +1,8 @@
 // window_app.h: the window from inside: what there is of it, and what a frame does.
 //
-// In four parts: window_opening.cpp shows a painting, window.cpp draws and animates, window_requests.cpp does
-// what hand and panels ask for, window_paintings.cpp what of it is about other paintings.
+// In six parts: window_opening.cpp shows a painting, window_frame.cpp goes from frame to frame, window.cpp
+// draws and animates, window_requests.cpp does what hand and panels ask for, window_dialogs.cpp asks for
+// files, window_paintings.cpp does what is about other paintings.
 #pragma once
 
 #include <deque>
@@ -36,24 +37,54 @@ private:
     static constexpr int kFramesAfterwards = 3;  // panels need some to settle
     static constexpr double kProgress_s = 0.2;   // between two pictures of how far something is
 
+    // What a dialog asks for (panels/file_dialog.h).
+    struct FileQuestion {
+        const char* title;
+        panels::FileDialog::Wants wants;
+        std::filesystem::path start;
+        const char* ending = ".exr";
+    };
+
     bool open_first();
     void draw_opening(std::shared_ptr<const TexelTiles> overview, double mm_per_pixel);
     bool frame();
+    Extent canvas_area();
+    void advance(std::deque<InputEvent> events, double seconds);
+    void look_at_jobs();
+    void show_opened();
+    bool draw_what_changed(bool woken);
     std::string seen_now(const Placement& place) const;
     void news();
+    void upload_changed();
+    void upload_damage_map();
+    void take_answers(PainterNews& news);
     void requests();
     void do_requests(const WindowState::Requests& ask);
+    void view_requests(const WindowState::Requests& ask);
+    void paint_requests(const WindowState::Requests& ask);
+    void recovery_requests(const WindowState::Requests& ask);
+    void closing_requests(const WindowState::Requests& ask);
+    void stay_open();
     void save(const WindowState::Requests& ask);
     void loupe(const Scene& scene);
     void warm_up();
     void warm_up_table();
     void show(OpenedPainting opened, bool is_first);
+    void put_away();
+    void know_painting(const std::filesystem::path& file);
+    void forget_painting();
     void tally();
     void find_left_over(const std::filesystem::path& file);
     void open_when_allowed(const std::filesystem::path& file);
     void take_dropped();
     void take_palette(const std::filesystem::path& file);
     void dialogs(const WindowState::Requests& ask);
+    void treatment_dialogs();
+    void photo_dialogs(const WindowState::Requests& ask);
+    void choose(const FileQuestion& question, std::filesystem::path WindowState::Requests::*where);
+    void choose_for_treatment(const FileQuestion& question,
+                              std::filesystem::path TreatmentState::Ask::*where);
+    void choose_export(const ExportFormat& format);
     void animate(double seconds);
     void draw(bool moved);
     void draw_panels(const Placement& place);

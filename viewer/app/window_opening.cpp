@@ -102,7 +102,7 @@ void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double 
     if (overview) {
         if (screen.width != screen_.width || screen.height != screen_.height) {
             const Extent small{overview->width(), overview->height()};
-            const Placement place(fitted(small, screen), {}, false, small, screen, mm_per_pixel);
+            const Placement place(fitted(small, screen), {}, small, screen, mm_per_pixel);
             Scene scene = scene_of(state_, place);
             scene.on_monitor = true;
             picture_.draw(renderer_, scene, place, screen, left, false);
@@ -127,25 +127,19 @@ void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double 
     window_.require_device();
 }
 
-// From now on, this painting.
-void WindowApp::show(OpenedPainting opened, bool is_first) {
-    if (!is_first) {
-        hand_->let_go();
-        painter_->hurry(false);
-        tally();
-        if (result_.unsaved)
-            say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
-    }
-    treatment_state_->leave();
-    map_.clear();
-    // What is to be uploaded is of the painting before.
-    changed_.clear();
-    hand_.reset();
-    painter_ = std::move(opened.painter);
-    hand_.emplace(state_, *painter_);
+// The painting that was shown until now.
+void WindowApp::put_away() {
+    hand_->let_go();
+    painter_->hurry(false);
+    tally();
+    if (result_.unsaved)
+        say(fmt::format("strokes on {} were not saved: open it again to recover them", state_.title));
+}
+
+// What the state says of the painting that the painter has, from `file`.
+void WindowApp::know_painting(const std::filesystem::path& file) {
     const Surface& surface = painter_->surface();
-    if (opened.is_new) state_.tool = Tool::paint;
-    state_.title = title_of(opened.file);
+    state_.title = title_of(file);
     state_.painting = {surface.width(), surface.height()};
     state_.mm_per_pixel = surface.mm_per_pixel;
     state_.stroke_mm_per_pixel = painter_->mm_per_pixel();
@@ -162,6 +156,10 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     state_.most_curvature = static_cast<float>(kMostBent / surface.mm_per_pixel);
     state_.lowest_mm = *low;
     state_.highest_mm = *high;
+}
+
+// What belongs to the painting before.
+void WindowApp::forget_painting() {
     state_.ruler.reset();
     state_.profile.reset();
     state_.region.reset();
@@ -176,8 +174,23 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     recorder_.reset();
     board_ = gl::Texture();
     state_.board = {};
+}
+
+// From now on, this painting.
+void WindowApp::show(OpenedPainting opened, bool is_first) {
+    if (!is_first) put_away();
+    treatment_state_->leave();
+    map_.clear();
+    // What is to be uploaded is of the painting before.
+    changed_.clear();
+    hand_.reset();
+    painter_ = std::move(opened.painter);
+    hand_.emplace(state_, *painter_);
+    if (opened.is_new) state_.tool = Tool::paint;
+    know_painting(opened.file);
+    forget_painting();
     glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", state_.title).c_str());
-    renderer_.set_painting(opened.tiles, surface.mm_per_pixel);
+    renderer_.set_painting(opened.tiles, painter_->surface().mm_per_pixel);
     state_.view = fitted(state_.painting, pane(state_, screen_));
     warm_up();
     painter_->start(std::move(opened.tiles));

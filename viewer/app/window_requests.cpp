@@ -109,6 +109,47 @@ void WindowApp::save(const WindowState::Requests& ask) {
     if (!ask.save_as.empty()) painter_->save_as(ask.save_as);
 }
 
+// Some of what changed of the painting, a frame's share.
+void WindowApp::upload_changed() {
+    const bool uploads = !changed_.empty();
+    const std::size_t before = renderer_.uploaded().changes;
+    while (!changed_.empty() && renderer_.uploaded().changes - before < kUploadBytes) {
+        renderer_.upload(changed_.front());
+        changed_.pop_front();
+    }
+    if (uploads) {
+        dirty_ = true;
+        horizon_due_s_ = now_s_ + kHorizonPause_s;
+    }
+}
+
+void WindowApp::upload_damage_map() {
+    const DamageMap* map = treatment_state_->map();
+    if (!map) return;
+    if (const Region changed = treatment_state_->map_changed(); !changed.empty()) {
+        map_.update(map->picture(), changed);
+        settle_ = kFramesAfterwards;
+    }
+    state_.treatment_state.map_texture = map_.id();
+}
+
+// What the painter was asked about the painting.
+void WindowApp::take_answers(PainterNews& news) {
+    if (news.probe) {
+        state_.probe = news.probe;
+        settle_ = std::max(settle_, 1);
+    }
+    if (news.profile) state_.profile = std::move(news.profile);
+    if (news.statistics) state_.statistics = news.statistics;
+    if (!news.picked) return;
+    if (state_.take_up(*news.picked))
+        state_.tool = Tool::paint;
+    else
+        say(fmt::format(
+            "no paint of the palette lies there to be picked up{}",
+            state_.treatment_state.on ? "; Match, under Colour, finds a recipe for what is seen" : ""));
+}
+
 void WindowApp::news() {
     PainterNews news = painter_->fetch();
     if (news.state.saves != state_.painter.saves) documents_->remember(painter_->file());
@@ -121,41 +162,13 @@ void WindowApp::news() {
     }
     changed_.insert(changed_.end(), news.changed.begin(), news.changed.end());
     take_board(std::move(news.board));
-    const bool uploads = !changed_.empty();
-    const std::size_t before = renderer_.uploaded().changes;
-    while (!changed_.empty() && renderer_.uploaded().changes - before < kUploadBytes) {
-        renderer_.upload(changed_.front());
-        changed_.pop_front();
-    }
-    if (uploads) {
-        dirty_ = true;
-        horizon_due_s_ = now_s_ + kHorizonPause_s;
-    }
+    upload_changed();
     if (news.horizon) {
         renderer_.set_horizon(*news.horizon);
         dirty_ = true;
     }
-    if (const DamageMap* map = treatment_state_->map()) {
-        if (const Region changed = treatment_state_->map_changed(); !changed.empty()) {
-            map_.update(map->picture(), changed);
-            settle_ = kFramesAfterwards;
-        }
-        state_.treatment_state.map_texture = map_.id();
-    }
-    if (news.probe) {
-        state_.probe = news.probe;
-        settle_ = std::max(settle_, 1);
-    }
-    if (news.profile) state_.profile = std::move(news.profile);
-    if (news.statistics) state_.statistics = news.statistics;
-    if (news.picked) {
-        if (state_.take_up(*news.picked))
-            state_.tool = Tool::paint;
-        else
-            say(fmt::format(
-                "no paint of the palette lies there to be picked up{}",
-                state_.treatment_state.on ? "; Match, under Colour, finds a recipe for what is seen" : ""));
-    }
+    upload_damage_map();
+    take_answers(news);
     for (const std::string& message : news.messages) say(message);
     if (news.needs_name && !dialog_) state_.ask.save_dialog = true;
     if (horizon_due_s_ > 0 && now_s_ >= horizon_due_s_ && !hand_->holds() && changed_.empty()) {
@@ -223,71 +236,6 @@ void WindowApp::film() {
     recorder_->add(renderer_.read(target));
 }
 
-// Those that were asked for; what is chosen in one is asked for in turn.
-void WindowApp::dialogs(const WindowState::Requests& ask) {
-    using panels::FileDialog;
-    const auto choose = [&](const char* title, FileDialog::Wants wants, const std::filesystem::path& start,
-                            std::filesystem::path WindowState::Requests::*where,
-                            const char* ending = ".exr") {
-        dialog_.emplace(title, wants, ending, start,
-                        [this, where](const std::filesystem::path& path) { state_.ask.*where = path; });
-        settle_ = kFramesAfterwards;  // its first ones give it the keyboard, and nothing may be typed before
-    };
-    const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
-    using Requests = WindowState::Requests;
-    const TreatmentState::Ask& treatment_state = state_.treatment_state.ask;
-    const auto choose_for_treatment = [&](const char* title, FileDialog::Wants wants, const char* ending,
-                                          const std::filesystem::path& start,
-                                          std::filesystem::path TreatmentState::Ask::*where) {
-        dialog_.emplace(title, wants, ending, start, [this, where](const std::filesystem::path& path) {
-            state_.treatment_state.ask.*where = path;
-        });
-    };
-    if (treatment_state.open_dialog)
-        choose_for_treatment("Open a treatment", FileDialog::Wants::folder, ".exr", here,
-                             &TreatmentState::Ask::open);
-    if (treatment_state.report_dialog)
-        choose_for_treatment("Report of the treatment", FileDialog::Wants::new_file, ".html .pdf",
-                             here.parent_path() / (here.stem().string() + "-treatment.html"),
-                             &TreatmentState::Ask::report);
-    if (ask.open_dialog) choose("Open a painting", FileDialog::Wants::file, here, &Requests::open);
-    if (ask.save_dialog)
-        choose("Save the painting as", FileDialog::Wants::new_file, painter_->file(), &Requests::save_as);
-    if (ask.photos_dialog && !state_.from_photographs)
-        say("this painting was not fitted to photographs: there is nothing to compare it with");
-    else if (ask.photos_dialog)
-        choose("The folder of photographs", FileDialog::Wants::folder, here, &Requests::photos);
-    if (ask.fit_dialog)
-        choose("Fit the photographs of a folder, or of a lights file", FileDialog::Wants::folder_or_file,
-               here, &Requests::fit_folder, ".lp");
-    if (ask.palette_dialog)
-        choose("Another paint box", FileDialog::Wants::file, here, &Requests::palette, ".json");
-    if (const ExportFormat* format = ask.export_dialog) {
-        const bool is_folder = *format->ending == 0;
-        const std::string stem = painter_->file().stem().string();
-        dialog_.emplace(fmt::format("Export: {}", format->name),
-                        is_folder ? FileDialog::Wants::new_folder : FileDialog::Wants::new_file,
-                        is_folder ? ".exr" : format->ending,
-                        is_folder ? here : here / (stem + format->ending),
-                        [this, format](const std::filesystem::path& path) {
-                            state_.ask.format = format;
-                            state_.ask.export_to = path;
-                        });
-        settle_ = kFramesAfterwards;
-    }
-    if (ask.substrate_dialog)
-        choose("A picture or painting to paint on", FileDialog::Wants::file, here, &Requests::substrate,
-               ".png .jpg .jpeg .tif .tiff .exr");
-    if (ask.height_dialog)
-        choose("A height map", FileDialog::Wants::file, here, &Requests::height_from,
-               ".png .jpg .jpeg .tif .tiff .exr");
-    if (ask.film_dialog)
-        choose("A film of the light going round", FileDialog::Wants::new_file,
-               here / (painter_->file().stem().string() + "-sweep.mp4"), &Requests::film, ".mp4 .webm");
-    if (ask.report_dialog)
-        choose("A folder for the report", FileDialog::Wants::new_folder, here, &Requests::report);
-}
-
 void WindowApp::keep_keys() {
     if (settings_.empty()) return;
     try {
@@ -309,37 +257,37 @@ void WindowApp::requests() {
     }
 }
 
-void WindowApp::do_requests(const WindowState::Requests& ask) {
-    if (comes_after_strokes(ask, state_.treatment_state.ask)) hand_->end_stroke();
-    dialogs(ask);
-    documents_->take(ask, *painter_);
-    treatment_state_->take();
-    if (!ask.open.empty()) open_when_allowed(ask.open);
-    if (!ask.palette.empty()) take_palette(ask.palette);
-    canvas_requests(ask);
-    if (ask.usual_keys) state_.keys = {};
-    if (ask.usual_keys || ask.keys_changed) keep_keys();
+// How the painting is seen.
+void WindowApp::view_requests(const WindowState::Requests& ask) {
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
     if (ask.straighten) {
         state_.tilt = sent_back(state_.tilt);
         state_.view = turned(state_.view, -state_.view.turn_deg);
     }
+}
+
+// What is done to the painting; nothing while another than it is seen, or while it cannot be painted on.
+void WindowApp::paint_requests(const WindowState::Requests& ask) {
     const bool other =
         state_.treatment_state.state || state_.treatment_state.preview;  // than the painting is seen
-    const bool blocked = state_.left_over_strokes > 0 || other || state_.finishing;
+    if (state_.left_over_strokes > 0 || other || state_.finishing) return;
     // Whether there is something to undo the painter knows: what is seen of it may be a frame old.
-    if (ask.undo && !blocked) painter_->send(UndoEvent{});
-    if (ask.redo && !blocked) painter_->send(RedoEvent{});
-    if (ask.dry && !blocked) {
+    if (ask.undo) painter_->send(UndoEvent{});
+    if (ask.redo) painter_->send(RedoEvent{});
+    if (ask.dry) {
         const std::vector<std::string>& layers = state_.painter.layers;
         std::string name;
         for (std::size_t i = layers.size() + 1; name.empty() || std::ranges::count(layers, name) > 0; ++i)
             name = fmt::format("layer {}", i);
         painter_->send(DryEvent{name, 1});
     }
-    if (!ask.lift.empty() && !blocked) painter_->send(LiftEvent{ask.lift});
-    if (!blocked) board_requests(ask);
+    if (!ask.lift.empty()) painter_->send(LiftEvent{ask.lift});
+    board_requests(ask);
+}
+
+// What the last sitting left.
+void WindowApp::recovery_requests(const WindowState::Requests& ask) {
     if (ask.recover && left_over_ && !state_.treatment_state.no_strokes.empty()) {
         say(state_.treatment_state.no_strokes);
     } else if (ask.recover && left_over_) {
@@ -352,17 +300,19 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
         left_over_.reset();
         state_.left_over_strokes = 0;
     }
-    if (ask.snapshot) snapshot();
-    if (!ask.film.empty()) begin_film(ask.film);
-    if (ask.stop_film && recorder_) recorder_->stop();
-    save(ask);
-    if (ask.stay) {
-        documents_->use_palette(state_.palette);  // if another one was to come with opening it again
-        glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
-        close_when_saved_ = open_when_saved_ = state_.closing = false;
-        state_.open_next.clear();
-        state_.finishing.reset();
-    }
+}
+
+// The window stays open after all.
+void WindowApp::stay_open() {
+    documents_->use_palette(state_.palette);  // if another one was to come with opening it again
+    glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
+    close_when_saved_ = open_when_saved_ = state_.closing = false;
+    state_.open_next.clear();
+    state_.finishing.reset();
+}
+
+void WindowApp::closing_requests(const WindowState::Requests& ask) {
+    if (ask.stay) stay_open();
     if (ask.close_now) {
         painter_->hurry(true);
         close_unsaved_ = true;
@@ -378,6 +328,26 @@ void WindowApp::do_requests(const WindowState::Requests& ask) {
     if (ask.close && ask.save) close_when_saved_ = true;
     if (ask.close || ask.close_unsaved) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
     if (ask.close_unsaved) close_unsaved_ = true;
+}
+
+void WindowApp::do_requests(const WindowState::Requests& ask) {
+    if (comes_after_strokes(ask, state_.treatment_state.ask)) hand_->end_stroke();
+    dialogs(ask);
+    documents_->take(ask, *painter_);
+    treatment_state_->take();
+    if (!ask.open.empty()) open_when_allowed(ask.open);
+    if (!ask.palette.empty()) take_palette(ask.palette);
+    canvas_requests(ask);
+    if (ask.usual_keys) state_.keys = {};
+    if (ask.usual_keys || ask.keys_changed) keep_keys();
+    view_requests(ask);
+    paint_requests(ask);
+    recovery_requests(ask);
+    if (ask.snapshot) snapshot();
+    if (!ask.film.empty()) begin_film(ask.film);
+    if (ask.stop_film && recorder_) recorder_->stop();
+    save(ask);
+    closing_requests(ask);
 }
 
 }  // namespace tangi
