@@ -98,7 +98,7 @@ void drawing(WindowState& s) {
     tip("Takes away from the damage; Ctrl does so for once");
     // One row, of whatever tool.
     if (t.mask_tool == MaskTool::brush)
-        slide("Size", t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(), ImGuiSliderFlags_Logarithmic);
+        slide("Size", t.brush_mm, 0.2f, 100, length(s, "%.1f").c_str(), {.logarithmic = true});
     if (t.mask_tool == MaskTool::polygon || t.mask_tool == MaskTool::area) ImGui::AlignTextToFramePadding();
     if (t.mask_tool == MaskTool::polygon)
         ImGui::TextDisabled("click corners; Enter closes, Backspace takes one back");
@@ -112,8 +112,7 @@ void drawing(WindowState& s) {
         float& tolerance = t.tolerance[static_cast<std::size_t>(by)];
         if (t.wand_by == WandBy::colour) slide("##tolerance", tolerance, 1, 50, "ΔE %.0f");
         if (t.wand_by == WandBy::height)
-            slide("##tolerance", tolerance, 0.005f, 2, length(s, "%.3f").c_str(),
-                  ImGuiSliderFlags_Logarithmic);
+            slide("##tolerance", tolerance, 0.005f, 2, length(s, "%.3f").c_str(), {.logarithmic = true});
         if (t.wand_by == WandBy::gloss) slide("##tolerance", tolerance, 0.05f, 3, "%.2f");
         tip("How far what is connected may be from the place that is clicked");
     }

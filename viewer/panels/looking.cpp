@@ -175,7 +175,7 @@ void look_of(WindowState& s) {
         const auto unit = static_cast<float>(s.height_unit_mm());
         float most = s.most_curvature / unit;
         if (slide("Curvature", most, 0.005f, 50, s.scale_known ? "± %.3g /mm" : "± %.3g /px",
-                  ImGuiSliderFlags_Logarithmic))
+                  {.logarithmic = true}))
             s.most_curvature = most * unit;
         tip("Orange: bumps; blue: hollows, cracks, the edges of losses");
     }

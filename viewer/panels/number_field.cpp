@@ -154,6 +154,10 @@ bool field(const char* label, T& value, double low, double high, const char* for
     return true;
 }
 
+ImGuiSliderFlags flags_of(const SlideOptions& options) {
+    return options.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
+}
+
 std::optional<int> whole(double value, const char* label) {
     if (value == std::round(value)) return static_cast<int>(value);
     complaint = fmt::format("{}: {:.6g} is no whole number", shown_label(label), value);
@@ -171,17 +175,19 @@ void leave_room_for(const char* label) {
 
 std::optional<std::string> number_complaint() { return std::exchange(complaint, {}); }
 
-bool slide(const char* label, float& value, float low, float high, const char* format, ImGuiSliderFlags flags,
-           double typed_high) {
-    return typed_or(label, value, static_cast<double>(low), std::max(static_cast<double>(high), typed_high),
-                    format, [&] { return ImGui::SliderFloat(label, &value, low, high, format, flags); });
+bool slide(const char* label, float& value, float low, float high, const char* format,
+           const SlideOptions& options) {
+    return typed_or(label, value, static_cast<double>(low),
+                    std::max(static_cast<double>(high), options.typed_high), format,
+                    [&] { return ImGui::SliderFloat(label, &value, low, high, format, flags_of(options)); });
 }
 
 bool slide(const char* label, double& value, float low, float high, const char* format,
-           ImGuiSliderFlags flags, double typed_high) {
+           const SlideOptions& options) {
     const double lowest = static_cast<double>(low), highest = static_cast<double>(high);
-    return typed_or(label, value, lowest, std::max(highest, typed_high), format, [&] {
-        return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &lowest, &highest, format, flags);
+    return typed_or(label, value, lowest, std::max(highest, options.typed_high), format, [&] {
+        return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &lowest, &highest, format,
+                                   flags_of(options));
     });
 }
 

@@ -15,12 +15,15 @@
 
 namespace tangi::panels {
 
-// A slider; Ctrl-click types into it, up to `typed_high` where that is more than `high`. True where the value
-// changed.
+struct SlideOptions {
+    bool logarithmic = false;
+    double typed_high = 0;  // may be typed, where that is more than the slider's upper end
+};
+// A slider; Ctrl-click types into it. True where the value changed.
 bool slide(const char* label, float& value, float low, float high, const char* format,
-           ImGuiSliderFlags flags = 0, double typed_high = 0);
+           const SlideOptions& options = {});
 bool slide(const char* label, double& value, float low, float high, const char* format,
-           ImGuiSliderFlags flags = 0, double typed_high = 0);
+           const SlideOptions& options = {});
 bool slide(const char* label, int& value, int low, int high, const char* format);
 // Two beside each other, of one range.
 bool slide_both(const char* label, float (&values)[2], float low, float high, const char* format);

@@ -36,6 +36,62 @@ void finish(WindowState& s) {
     ImGui::TreePop();
 }
 
+ImVec4 as_colour(const Rgb& c) { return {c.r, c.g, c.b, 1}; }
+
+// A button for each paint: it is taken, or mixed in.
+void paint_buttons(WindowState& s) {
+    constexpr int kColumns = 9;
+    for (std::size_t i = 0; i < s.palette.paints.size(); ++i) {
+        const Pigment& paint = s.palette.paints[i];
+        if (i % kColumns) ImGui::SameLine(0, 3);
+        ImGui::PushID(static_cast<int>(i));
+        if (ImGui::ColorButton("paint", as_colour(s.paint_colours[i]), ImGuiColorEditFlags_NoTooltip,
+                               {26 * s.scale, 26 * s.scale})) {
+            if (!ImGui::GetIO().KeyShift) s.mix.clear();
+            s.board.carried = Carried::chosen;
+            s.mix[paint.name] += 1;
+            s.tool = Tool::paint;
+        }
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("%s%s\nclick: this paint; Shift-click: mix it in", paint.name.c_str(),
+                              paint.approximate() ? " (approximate)" : "");
+        ImGui::PopID();
+    }
+}
+
+void gloss_of_mixture(const WindowState& s) {
+    const ImVec2 size(width(s) - 30 * s.scale, 24 * s.scale), at = ImGui::GetCursorScreenPos();
+    ImGui::Dummy(size);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly over an edge, under a light");
+    constexpr int kStrips = 70;
+    const glm::dvec2 gloss = s.mixed_gloss();
+    const std::vector<Rgb> strip = gloss_strip(s.mixed_colour(), gloss.x, gloss.y, kStrips);
+    for (int i = 0; i < kStrips; ++i) {
+        const float x = at.x + size.x * static_cast<float>(i) / kStrips;
+        ImGui::GetWindowDrawList()->AddRectFilled(
+            {x, at.y}, {x + size.x / kStrips + 0.5f, at.y + size.y},
+            ImGui::ColorConvertFloat4ToU32(as_colour(strip[static_cast<std::size_t>(i)])));
+    }
+}
+
+// How much of each paint there is in it.
+void parts_of_mixture(WindowState& s) {
+    std::string gone;
+    for (auto& [name, part] : s.mix) {
+        ImGui::PushID(name.c_str());
+        if (ImGui::SmallButton("x") && s.mix.size() > 1) gone = name;
+        ImGui::SameLine();
+        ImGui::PushItemWidth(80 * s.scale);
+        slide("##part", part, 0, 4, "%.2f");
+        ImGui::PopItemWidth();
+        ImGui::SameLine();
+        ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
+        note(name, 1, ImGui::GetStyleColorVec4(ImGuiCol_Text));  // some are longer than the column is wide
+        ImGui::PopID();
+    }
+    if (!gone.empty()) s.mix.erase(gone);
+}
+
 }  // namespace
 
 void load_gauge(ImDrawList& draw, const ImVec2& centre, float radius, const OnBrush& on_brush) {
@@ -63,8 +119,8 @@ void brush(WindowState& s) {
     const auto slider = [](const char* label, double& value, float low, float high, const char* format) {
         slide(label, value, low, high, format);
     };
-    slide("Size", s.brush.size_mm, 0.2f, 100, length(s, "%.1f").c_str(), ImGuiSliderFlags_Logarithmic,
-          kLargestBrush_mm);
+    slide("Size", s.brush.size_mm, 0.2f, 100, length(s, "%.1f").c_str(),
+          {.logarithmic = true, .typed_high = kLargestBrush_mm});
     slider("Load", s.brush.load_mm, 0, 6, length(s, "%.2f").c_str());
     slide("Pressure", s.pressure, 0.02f, 1, "%.2f");
     if (!ImGui::TreeNode("Bristles")) return;
@@ -87,52 +143,11 @@ void palette(WindowState& s) {
     tip("A paint box of your own: a palette file, as tangipaint palette makes it. The painting is opened "
         "again "
         "with it");
-    const auto as_colour = [](const Rgb& c) { return ImVec4(c.r, c.g, c.b, 1); };
-    constexpr int kColumns = 9;
-    for (std::size_t i = 0; i < s.palette.paints.size(); ++i) {
-        const Pigment& paint = s.palette.paints[i];
-        if (i % kColumns) ImGui::SameLine(0, 3);
-        ImGui::PushID(static_cast<int>(i));
-        if (ImGui::ColorButton("paint", as_colour(s.paint_colours[i]), ImGuiColorEditFlags_NoTooltip,
-                               {26 * s.scale, 26 * s.scale})) {
-            if (!ImGui::GetIO().KeyShift) s.mix.clear();
-            s.board.carried = Carried::chosen;
-            s.mix[paint.name] += 1;
-            s.tool = Tool::paint;
-        }
-        if (ImGui::IsItemHovered())
-            ImGui::SetTooltip("%s%s\nclick: this paint; Shift-click: mix it in", paint.name.c_str(),
-                              paint.approximate() ? " (approximate)" : "");
-        ImGui::PopID();
-    }
-    const ImVec2 size(width(s) - 30 * s.scale, 24 * s.scale), at = ImGui::GetCursorScreenPos();
-    ImGui::Dummy(size);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the mixture, laid on thickly over an edge, under a light");
-    constexpr int kStrips = 70;
-    const glm::dvec2 gloss = s.mixed_gloss();
-    const std::vector<Rgb> strip = gloss_strip(s.mixed_colour(), gloss.x, gloss.y, kStrips);
-    for (int i = 0; i < kStrips; ++i) {
-        const float x = at.x + size.x * static_cast<float>(i) / kStrips;
-        ImGui::GetWindowDrawList()->AddRectFilled(
-            {x, at.y}, {x + size.x / kStrips + 0.5f, at.y + size.y},
-            ImGui::ColorConvertFloat4ToU32(as_colour(strip[static_cast<std::size_t>(i)])));
-    }
+    paint_buttons(s);
+    gloss_of_mixture(s);
     ImGui::Checkbox("Mixing palette", &s.board.open);
     finish(s);
-    std::string gone;
-    for (auto& [name, part] : s.mix) {
-        ImGui::PushID(name.c_str());
-        if (ImGui::SmallButton("x") && s.mix.size() > 1) gone = name;
-        ImGui::SameLine();
-        ImGui::PushItemWidth(80 * s.scale);
-        slide("##part", part, 0, 4, "%.2f");
-        ImGui::PopItemWidth();
-        ImGui::SameLine();
-        ImGui::SetCursorPosY(ImGui::GetCursorPosY() + ImGui::GetStyle().FramePadding.y);
-        note(name, 1, ImGui::GetStyleColorVec4(ImGuiCol_Text));  // some are longer than the column is wide
-        ImGui::PopID();
-    }
-    if (!gone.empty()) s.mix.erase(gone);
+    parts_of_mixture(s);
 }
 
 }  // namespace tangi::panels

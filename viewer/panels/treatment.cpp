@@ -14,7 +14,7 @@ namespace {
 
 bool number(const char* label, double& value, float low, float high, const char* format,
             bool logarithmic = false) {
-    return slide(label, value, low, high, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    return slide(label, value, low, high, format, {.logarithmic = logarithmic});
 }
 
 template <class Value, std::size_t N>
