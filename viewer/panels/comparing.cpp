@@ -21,18 +21,61 @@ void label(ImDrawList* draw, ImVec2 at, const std::string& text, bool from_right
     draw->AddText(at, kInk, text.c_str());
 }
 
-// A picture where the painting lies, of which what is between two columns of the window is seen.
-void picture(ImDrawList* draw, unsigned texture, const Placement& place, const Extent& painting, float left,
-             float from, float to) {
-    const auto corner = [&](double x, double y) {
-        const glm::dvec2 at = place.to_screen({x, y});
-        return ImVec2(static_cast<float>(at.x) + left, static_cast<float>(at.y));
-    };
-    const double right = painting.width - 0.5, bottom = painting.height - 0.5;
-    draw->PushClipRect({from, 0}, {to, ImGui::GetIO().DisplaySize.y}, true);
-    draw->AddImageQuad(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)),
-                       corner(-0.5, -0.5), corner(right, -0.5), corner(right, bottom), corner(-0.5, bottom));
-    draw->PopClipRect();
+// Where pictures of the painting are drawn; columns are the window's.
+class PictureArea {
+public:
+    PictureArea(const WindowState& s, Extent screen)
+        : left(s.canvas_left),
+          right(s.canvas_left + static_cast<float>(screen.width)),
+          middle(s.canvas_left + static_cast<float>(pane(s, screen).width)),
+          bottom(static_cast<float>(screen.height)),
+          place_(placement_of(s, screen)),
+          painting_(s.painting) {}
+
+    // A picture where the painting lies, `shifted` to the right of where the canvas begins; what is between
+    // two columns of it is seen.
+    void picture(unsigned texture, float shifted, float from, float to) const {
+        const auto corner = [&](double x, double y) {
+            const glm::dvec2 at = place_.to_screen({x, y});
+            return ImVec2(static_cast<float>(at.x) + shifted, static_cast<float>(at.y));
+        };
+        const double x1 = painting_.width - 0.5, y1 = painting_.height - 0.5;
+        draw->PushClipRect({from, 0}, {to, ImGui::GetIO().DisplaySize.y}, true);
+        draw->AddImageQuad(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)),
+                           corner(-0.5, -0.5), corner(x1, -0.5), corner(x1, y1), corner(-0.5, y1));
+        draw->PopClipRect();
+    }
+    void whole(unsigned texture) const { picture(texture, left, left, right); }
+    void line(float column, ImU32 colour, float width) const {
+        draw->AddLine({column, 0}, {column, bottom}, colour, width);
+    }
+
+    ImDrawList* const draw = ImGui::GetBackgroundDrawList();
+    const float left, right, middle, bottom;  // middle: where the second of two beside each other begins
+
+private:
+    const Placement place_;
+    const Extent painting_;
+};
+
+constexpr float kLabelTop = 12;
+
+// What is compared, and what it is called.
+struct Compared {
+    unsigned photo, relit;  // textures
+    std::string name{}, other = "relit";
+};
+
+Compared compared(const Comparing& c, unsigned photo, unsigned relit) {
+    Compared both{photo, relit};
+    if (c.pair) {
+        both.name = c.pair->left;
+        both.other = c.pair->right;
+        return both;
+    }
+    both.name = c.news.book->entries()[static_cast<std::size_t>(c.news.held->index)].name;
+    if (c.news.held->reduced > 1) both.name += fmt::format(" (at 1/{})", c.news.held->reduced);
+    return both;
 }
 
 void legend(ImDrawList* draw, const ColourScale& scale, const std::string& unit, ImVec2 at) {
@@ -51,6 +94,37 @@ void legend(ImDrawList* draw, const ColourScale& scale, const std::string& unit,
     const std::string end = fmt::format("{}{:.0f}{}", is_signed ? "+" : "", scale.highest, unit);
     draw->AddText({at.x, at.y + kHigh + 2}, kInk, begin.c_str());
     draw->AddText({at.x + kWide - ImGui::CalcTextSize(end.c_str()).x, at.y + kHigh + 2}, kInk, end.c_str());
+}
+
+void draw_aside(const PictureArea& area, const Compared& both) {
+    area.picture(both.photo, area.left, area.left, area.middle);
+    area.picture(both.relit, area.middle, area.middle, area.right);
+    area.line(area.middle, kBack, 3);
+    label(area.draw, {area.left + 14, kLabelTop}, both.name);
+    label(area.draw, {area.middle + 14, kLabelTop}, both.other);
+}
+
+void draw_wipe(const PictureArea& area, const Compared& both, float divider) {
+    area.picture(both.photo, area.left, area.left, divider);
+    area.picture(both.relit, area.left, divider, area.right);
+    area.line(divider, IM_COL32(0, 0, 0, 255), 3);
+    area.line(divider, kInk, 1);
+    label(area.draw, {divider - 14, kLabelTop}, both.name, true);
+    label(area.draw, {divider + 14, kLabelTop}, both.other);
+}
+
+// In false colour, with its legend.
+void draw_difference(const PictureArea& area, const Compared& both, const Comparing& c) {
+    const bool colour = c.way == CompareWay::delta_e;
+    ColourScale scale = colour ? c.news.book->delta_e_scale() : c.news.book->difference_scale();
+    if (!colour) {
+        scale.lowest *= 100;
+        scale.highest *= 100;
+    }
+    area.whole(both.photo);
+    label(area.draw, {area.left + 14, kLabelTop},
+          colour ? both.name + ": CIEDE2000" : both.name + ": relit - photograph");
+    legend(area.draw, scale, colour ? " dE" : " %", {area.left + 20, kLabelTop + 34});
 }
 
 // Three lines, whatever there is to be told.
@@ -155,57 +229,26 @@ void photographs(WindowState& s) {
 
 void held_photo(const WindowState& s, unsigned photo, unsigned relit, Extent screen) {
     const Comparing& c = s.comparing;
-    ImDrawList* draw = ImGui::GetBackgroundDrawList();
-    const Placement place = placement_of(s, screen);
-    const float left = s.canvas_left;
-    const auto wide = static_cast<float>(screen.width), half = static_cast<float>(pane(s, screen).width);
-    std::string name, other = "relit";
-    if (c.pair) {
-        name = c.pair->left;
-        other = c.pair->right;
-    } else {
-        name = c.news.book->entries()[static_cast<std::size_t>(c.news.held->index)].name;
-        if (c.news.held->reduced > 1) name += fmt::format(" (at 1/{})", c.news.held->reduced);
-    }
-    const float top = 12;
+    const PictureArea area(s, screen);
+    const Compared both = compared(c, photo, relit);
     switch (c.way) {
         case CompareWay::aside:
-            picture(draw, photo, place, s.painting, left, left, left + half);
-            picture(draw, relit, place, s.painting, left + half, left + half, left + wide);
-            draw->AddLine({left + half, 0}, {left + half, static_cast<float>(screen.height)}, kBack, 3);
-            label(draw, {left + 14, top}, name);
-            label(draw, {left + half + 14, top}, other);
+            draw_aside(area, both);
             break;
-        case CompareWay::wipe: {
-            const float at = left + std::round(c.divider * wide);
-            picture(draw, photo, place, s.painting, left, left, at);
-            picture(draw, relit, place, s.painting, left, at, left + wide);
-            draw->AddLine({at, 0}, {at, static_cast<float>(screen.height)}, IM_COL32(0, 0, 0, 255), 3);
-            draw->AddLine({at, 0}, {at, static_cast<float>(screen.height)}, kInk, 1);
-            label(draw, {at - 14, top}, name, true);
-            label(draw, {at + 14, top}, other);
+        case CompareWay::wipe:
+            draw_wipe(area, both, area.left + std::round(c.divider * static_cast<float>(screen.width)));
             break;
-        }
         case CompareWay::blink:
-            picture(draw, c.blink_photo ? photo : relit, place, s.painting, left, left, left + wide);
-            label(draw, {left + 14, top}, c.blink_photo ? name : other);
+            area.whole(c.blink_photo ? photo : relit);
+            label(area.draw, {area.left + 14, kLabelTop}, c.blink_photo ? both.name : both.other);
             break;
         case CompareWay::difference:
-        case CompareWay::delta_e: {
-            const bool colour = c.way == CompareWay::delta_e;
-            ColourScale scale = colour ? c.news.book->delta_e_scale() : c.news.book->difference_scale();
-            if (!colour) {
-                scale.lowest *= 100;
-                scale.highest *= 100;
-            }
-            picture(draw, photo, place, s.painting, left, left, left + wide);
-            label(draw, {left + 14, top}, colour ? name + ": CIEDE2000" : name + ": relit - photograph");
-            legend(draw, scale, colour ? " dE" : " %", {left + 20, top + 34});
+        case CompareWay::delta_e:
+            draw_difference(area, both, c);
             break;
-        }
     }
     if (c.news.busy && !c.pair)
-        label(draw, {left + wide / 2, static_cast<float>(screen.height) - 60}, "measuring …");
+        label(area.draw, {area.left + static_cast<float>(screen.width) / 2, area.bottom - 60}, "measuring …");
 }
 
 }  // namespace tangi::panels
