@@ -119,16 +119,9 @@ void FileDialog::each_text(const std::function<void(std::string_view)>& see) con
     for (const std::string& name : files_) see(name);
 }
 
-bool FileDialog::draw() {
-    const ImVec2 screen = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
-    const float line = ImGui::GetFontSize();
-    ImGui::SetNextWindowSize({std::min(40 * line, screen.x), std::min(33 * line, screen.y)},
-                             ImGuiCond_Appearing);
-    ImGui::SetNextWindowBgAlpha(1);
-    bool open = true, done = false;
-    ImGui::Begin(title_.c_str(), &open, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
-    ImGui::TextUnformatted(folder_.string().c_str());
+// Folders and files to click; true where a file was chosen so.
+bool FileDialog::draw_list() {
+    bool done = false;
     ImGui::BeginChild("list", {0, -2.6f * ImGui::GetFrameHeightWithSpacing()}, true);
     fs::path next;
     if (folder_.has_relative_path() && ImGui::Selectable("..")) next = folder_.parent_path();
@@ -148,6 +141,11 @@ bool FileDialog::draw() {
         go_to(next);
         if (wants_ != Wants::new_file) typed_.clear();
     }
+    return done;
+}
+
+// Where a name is typed.
+void FileDialog::draw_name() {
     if (focus_) ImGui::SetKeyboardFocusHere();
     since_focus_ = std::exchange(focus_, false) ? 1 : since_focus_ + 1;
     ImGui::PushItemWidth(-1);
@@ -157,11 +155,25 @@ bool FileDialog::draw() {
                            ? "this folder, or the name of one, or of a file above"
                            : "name, or a whole path";
     ImGui::InputTextWithHint("##name", hint, &typed_);
+    ImGui::PopItemWidth();
+}
+
+bool FileDialog::draw() {
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
+    const float line = ImGui::GetFontSize();
+    ImGui::SetNextWindowSize({std::min(40 * line, screen.x), std::min(33 * line, screen.y)},
+                             ImGuiCond_Appearing);
+    ImGui::SetNextWindowBgAlpha(1);
+    bool open = true;
+    ImGui::Begin(title_.c_str(), &open, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+    ImGui::TextUnformatted(folder_.string().c_str());
+    bool done = draw_list();
+    draw_name();
     if (std::exchange(entered_, false)) {
         done = accept();
         focus_ = !done;
     }
-    ImGui::PopItemWidth();
     const char* verb = wants_ == Wants::new_file ? "Save" : takes_folders() ? "Choose" : "Open";
     if (ImGui::Button(verb)) done = accept();
     ImGui::SameLine();

@@ -49,6 +49,8 @@ private:
     static Choice new_file(const std::filesystem::path& typed, const std::string& ending);
     void go_to(const std::filesystem::path& folder);
     bool accept();
+    bool draw_list();
+    void draw_name();
 
     bool takes_folders() const { return wants_ != Wants::file && wants_ != Wants::new_file; }
 
