@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <span>
 #include <sstream>
@@ -210,6 +211,49 @@ int no_command(const std::string& word) {
                                      is_near ? fmt::format("; did you mean '{}'?", nearest) : "."));
 }
 
+// The command that was asked for, with the words that it was asked with.
+struct Asked {
+    const Command* command = nullptr;
+    std::function<nlohmann::json()> body;
+    int threads = 0;
+};
+
+// Parsing notes in `asked` which of them is there.
+void add_commands(CLI::App& app, Asked& asked) {
+    for (const Command& command : commands()) {
+        CLI::App* sub = app.add_subcommand(command.name, command.summary);
+        sub->add_option("--threads", asked.threads, "threads to use; all cores where not given")
+            ->check(within(1, 1024));
+        Flags flags(*sub);
+        const auto action = command.set_up(flags);
+        sub->callback([&asked, action, &command] {
+            asked.body = action;
+            asked.command = &command;
+        });
+    }
+}
+
+std::string told_of_failure(const CLI::App* parsed, const CLI::Error& error) {
+    const std::vector<CLI::App*> chosen = parsed->get_subcommands();
+    const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
+    return fmt::format("tangipaint: {}\nSee: tangipaint {}--help\n",
+                       told_of_usage(chosen.empty() ? nullptr : chosen.front(), error), command);
+}
+
+// The code to end with, where the words are wrong or ask for help or the version.
+std::optional<int> parse(CLI::App& app, std::vector<std::string> words) {
+    try {
+        std::reverse(words.begin(), words.end());  // as the parser takes them
+        app.parse(words);
+        return {};
+    } catch (const CLI::ParseError& call) {
+        std::ostringstream out, err;
+        const int code = app.exit(call, out, err);
+        write_stderr(err.str());
+        return code == 0 ? show(out.str()) : kUsage;
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -220,26 +264,9 @@ int main(int argc, char** argv) {
     CLI::App app(kAbout, "tangipaint");
     app.set_version_flag("--version", "tangipaint " TP_VERSION);
     app.require_subcommand(0, 1);
-    app.failure_message([](const CLI::App* parsed, const CLI::Error& error) {
-        const std::vector<CLI::App*> chosen = parsed->get_subcommands();
-        const std::string command = chosen.empty() ? "" : chosen.front()->get_name() + " ";
-        return fmt::format("tangipaint: {}\nSee: tangipaint {}--help\n",
-                           told_of_usage(chosen.empty() ? nullptr : chosen.front(), error), command);
-    });
-    int threads = 0;
-    std::function<nlohmann::json()> body;
-    const Command* asked = nullptr;
-    for (const Command& command : commands()) {
-        CLI::App* sub = app.add_subcommand(command.name, command.summary);
-        sub->add_option("--threads", threads, "threads to use; all cores where not given")
-            ->check(within(1, 1024));
-        Flags flags(*sub);
-        const auto action = command.set_up(flags);
-        sub->callback([&body, &asked, action, &command] {
-            body = action;
-            asked = &command;
-        });
-    }
+    app.failure_message(told_of_failure);
+    Asked asked;
+    add_commands(app, asked);
     std::string topic;
     CLI::App* help = app.add_subcommand("help", "show what a command does and takes: tangipaint help fit");
     help->add_option("COMMAND", topic, "the command to explain");
@@ -247,21 +274,12 @@ int main(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return no_command(argv[1]);
     RenamedFlags typed = with_present_flags(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
     for (const std::string& text : typed.notes) write_stderr("tangipaint: note: " + printable(text) + "\n");
-    try {
-        std::vector<std::string> words = typed.words;
-        std::reverse(words.begin(), words.end());  // as the parser takes them
-        app.parse(words);
-    } catch (const CLI::ParseError& call) {  // for help and version too
-        std::ostringstream out, err;
-        const int code = app.exit(call, out, err);
-        write_stderr(err.str());
-        return code == 0 ? show(out.str()) : kUsage;
-    }
+    if (const std::optional<int> code = parse(app, typed.words)) return *code;
     if (!topic.empty() && !is_command(topic)) return no_command(topic);
     if (!topic.empty()) return show(app.get_subcommand(topic)->help("tangipaint"));
-    if (body) {
-        set_thread_count(threads);
-        return run(*asked, std::span(argv, static_cast<std::size_t>(argc)).subspan(2), body);
+    if (asked.command) {
+        set_thread_count(asked.threads);
+        return run(*asked.command, std::span(argv, static_cast<std::size_t>(argc)).subspan(2), asked.body);
     }
     // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
     const std::string all = app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);
