@@ -113,8 +113,8 @@ std::optional<Transfer> parse_transfer(const std::string& text) {
     return transfer;
 }
 
-void PhotosArguments::add_to(Flags& flags, bool for_fit) {
-    flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();
+// Where the lights were.
+void PhotosArguments::add_light_flags(Flags& flags) {
     flags.option(
         "--lights", lights,
         "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
@@ -136,6 +136,23 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
                 "rotate the vectors of the .lp by so many degrees, counter-clockwise as the camera sees it: "
                 "where the camera was turned against the lights")
         .check(within(-360, 360));
+}
+
+void PhotosArguments::add_fit_flags(Flags& flags) {
+    flags
+        .option("--register", registration,
+                "auto: find out whether the camera moved between photographs, and undo it; off: take them "
+                "as they are")
+        .check(one_of({"auto", "off"}))
+        .show_default();
+    flags.option("--hold-out", hold_out,
+                 "keep photographs from the fit, to compare with: positions from 0, START:STEP or names, "
+                 "separated by commas");
+}
+
+void PhotosArguments::add_to(Flags& flags, bool for_fit) {
+    flags.option("PHOTOS", folder, "folder of photographs, one for each light").required();
+    add_light_flags(flags);
     flags.option(
         "--capture", capture,
         "capture.json of calibrate: colours, scale, lens, rectification, and the lights unless --lights "
@@ -155,16 +172,7 @@ void PhotosArguments::add_to(Flags& flags, bool for_fit) {
         "picture of the photographs' size; what is black in it is left out. Where not given, the black and "
         "white picture in the folder whose name says mask; none: the whole picture");
     develop.add_to(flags);
-    if (!for_fit) return;
-    flags
-        .option("--register", registration,
-                "auto: find out whether the camera moved between photographs, and undo it; off: take them "
-                "as they are")
-        .check(one_of({"auto", "off"}))
-        .show_default();
-    flags.option("--hold-out", hold_out,
-                 "keep photographs from the fit, to compare with: positions from 0, START:STEP or names, "
-                 "separated by commas");
+    if (for_fit) add_fit_flags(flags);
 }
 
 StackOptions PhotosArguments::options() const {

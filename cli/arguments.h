@@ -45,6 +45,8 @@ struct PhotosArguments {
     nlohmann::json as_json() const;
 
 private:
+    void add_light_flags(Flags& flags);
+    void add_fit_flags(Flags& flags);
     StackOptions options() const;
     UsableOptions usable_options() const;
 };

@@ -53,22 +53,31 @@ Corners corners_of(const std::vector<double>& n) {
     return {{{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}}};
 }
 
+struct PhotoSize {
+    int width, height;  // [pixels]
+};
+
+// Throws UsageError, naming the flag, where a point does not lie in photographs of this size.
+void require_in(const PhotoSize& size, const glm::dvec2& point, const std::string& text,
+                const std::string& flag) {
+    if (point.x < -0.5 || point.y < -0.5 || point.x > size.width - 0.5 || point.y > size.height - 0.5)
+        throw UsageError(fmt::format("{} {}: ({:g}, {:g}) does not lie in the photographs, which are {} x {}",
+                                     flag, text, point.x, point.y, size.width, size.height));
+}
+
+// Throws UsageError where there is no such dictionary of markers.
+void require_dictionary(const std::string& name) {
+    const std::vector<std::string> known = marker_dictionaries();
+    if (std::find(known.begin(), known.end(), name) == known.end())
+        throw UsageError(
+            fmt::format("--marker-dictionary {}: is none of auto, {}", name, fmt::join(known, ", ")));
+}
+
 std::optional<double> if_given(double value) { return value > 0 ? std::optional(value) : std::nullopt; }
 
 }  // namespace
 
-void CalibrateArguments::add_to(Flags& flags) {
-    flags.option("PHOTOS", folder, "folder of photographs, one for each light");
-    flags.option("--photos", photos, "photographs, instead of a folder");
-    flags
-        .option(
-            "--out", out,
-            "the lights file to write (.lp), with a capture file (.json) and a page (.html) of its name "
-            "beside "
-            "it (capture.json and capture.html beside lights.lp); or the capture file (.json), with a page "
-            "and a lights file of its name")
-        .required();
-    flags.flag("--force", force, "replace files of these names even where tangipaint did not write them");
+void CalibrateArguments::add_sphere_flags(Flags& flags) {
     flags.option("--sphere", spheres,
                  "where a sphere is: X,Y,R or a box X0,Y0,X1,Y1 in pixels from the top left; once for each "
                  "sphere; found automatically where not given");
@@ -78,6 +87,9 @@ void CalibrateArguments::add_to(Flags& flags) {
         .option("--sphere-radius-mm", sphere_radius_mm,
                 "radius of the spheres; two spheres or more then tell positions")
         .check(within(0.1, 1e4));
+}
+
+void CalibrateArguments::add_camera_flags(Flags& flags) {
     flags.option("--focal-px", focal_px, "focal length of the camera in pixels; far away where not given")
         .check(within(10, 1e6));
     flags.option("--focal-35mm", focal_35mm, "its 35-mm equivalent in mm, as in EXIF, instead")
@@ -92,15 +104,9 @@ void CalibrateArguments::add_to(Flags& flags) {
         .option("--sphere-height-mm", sphere_height_mm,
                 "of the spheres' centres above the painting's plane; their radius where not given")
         .check(within(-1e5, 1e5));
-    flags.flag("--uncalibrated", uncalibrated,
-               "find the lights from the photographs of a nearly flat object alone, without spheres");
-    flags.flag("--inverted", inverted,
-               "with --uncalibrated: the other reading of the relief, hills for valleys (see the report)");
-    flags.flag("--fixed-camera", fixed_camera, "the camera did not move: do not register the photographs");
-    flags
-        .option("--transfer", transfer,
-                "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
-        .show_default();
+}
+
+void CalibrateArguments::add_chart_flags(Flags& flags) {
     flags
         .option(
             "--chart", chart,
@@ -114,6 +120,10 @@ void CalibrateArguments::add_to(Flags& flags) {
         .option("--chart-pitch-mm", chart_pitch_mm,
                 "from one patch's middle to the next; tells the scale at the chart")
         .check(within(0.1, 1e3));
+}
+
+// Scale and plane.
+void CalibrateArguments::add_plane_flags(Flags& flags) {
     flags
         .option("--marker-mm", marker_mm,
                 "side of the ArUco markers in the photographs; they are found and tell the scale")
@@ -131,6 +141,33 @@ void CalibrateArguments::add_to(Flags& flags) {
                  "painting file of an earlier state, such as before treatment: the fit's picture is to lie "
                  "on it, pixel by pixel");
     flags.option("--lens", lens, "calibration file of OpenCV (.yml, .xml), to undo the lens's distortion");
+}
+
+void CalibrateArguments::add_to(Flags& flags) {
+    flags.option("PHOTOS", folder, "folder of photographs, one for each light");
+    flags.option("--photos", photos, "photographs, instead of a folder");
+    flags
+        .option(
+            "--out", out,
+            "the lights file to write (.lp), with a capture file (.json) and a page (.html) of its name "
+            "beside "
+            "it (capture.json and capture.html beside lights.lp); or the capture file (.json), with a page "
+            "and a lights file of its name")
+        .required();
+    flags.flag("--force", force, "replace files of these names even where tangipaint did not write them");
+    add_sphere_flags(flags);
+    add_camera_flags(flags);
+    flags.flag("--uncalibrated", uncalibrated,
+               "find the lights from the photographs of a nearly flat object alone, without spheres");
+    flags.flag("--inverted", inverted,
+               "with --uncalibrated: the other reading of the relief, hills for valleys (see the report)");
+    flags.flag("--fixed-camera", fixed_camera, "the camera did not move: do not register the photographs");
+    flags
+        .option("--transfer", transfer,
+                "how the photographs are encoded: auto, linear, srgb, or a gamma such as 2.2")
+        .show_default();
+    add_chart_flags(flags);
+    add_plane_flags(flags);
     develop.add_to(flags);
 }
 
@@ -175,10 +212,7 @@ PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
     if (marker_dictionary != "auto") {
         if (!options.marker_mm)
             throw UsageError("--marker-dictionary: give the side of the markers as well (--marker-mm)");
-        const std::vector<std::string> known = marker_dictionaries();
-        if (std::find(known.begin(), known.end(), marker_dictionary) == known.end())
-            throw UsageError(fmt::format("--marker-dictionary {}: is none of auto, {}", marker_dictionary,
-                                         fmt::join(known, ", ")));
+        require_dictionary(marker_dictionary);
         options.dictionary = marker_dictionary;
     }
     if (const auto n =
@@ -199,19 +233,12 @@ PlaneOptions CalibrateArguments::plane_options(int width, int height) const {
     if (options.corners_px && !options.painting_mm && !options.marker_mm)
         throw UsageError(
             "--corners: how large is the painting? Give --painting-mm, or --marker-mm of markers");
-    for (const glm::dvec2& corner : options.corners_px.value_or(Corners{}))
-        if (corner.x < -0.5 || corner.y < -0.5 || corner.x > width - 0.5 || corner.y > height - 0.5)
-            throw UsageError(
-                fmt::format("--corners {}: ({:g}, {:g}) does not lie in the photographs, which are "
-                            "{} x {}",
-                            corners, corner.x, corner.y, width, height));
+    const PhotoSize size{width, height};
+    if (options.corners_px)
+        for (const glm::dvec2& corner : *options.corners_px) require_in(size, corner, corners, "--corners");
     if (options.bar)
         for (const glm::dvec2& end : {options.bar->first_px, options.bar->last_px})
-            if (end.x < -0.5 || end.y < -0.5 || end.x > width - 0.5 || end.y > height - 0.5)
-                throw UsageError(
-                    fmt::format("--scale-bar {}: ({:g}, {:g}) does not lie in the photographs, "
-                                "which are {} x {}",
-                                scale_bar, end.x, end.y, width, height));
+            require_in(size, end, scale_bar, "--scale-bar");
     options.rectify = rectify;
     if (!align_to.empty() && (rectify || options.corners_px))
         throw UsageError(

@@ -35,6 +35,12 @@ struct CalibrateArguments {
     SphereCalibrationOptions sphere_options() const;
     std::optional<ColourCalibrationOptions> colour_options() const;  // none: --chart off
     PlaneOptions plane_options(int width, int height) const;         // of the photographs
+
+private:
+    void add_sphere_flags(Flags& flags);
+    void add_camera_flags(Flags& flags);
+    void add_chart_flags(Flags& flags);
+    void add_plane_flags(Flags& flags);
 };
 
 }  // namespace tangi
