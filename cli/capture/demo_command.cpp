@@ -47,40 +47,50 @@ Stack sample_stack(const std::string& lights, bool small) {
     return stack;
 }
 
-nlohmann::json run_demo(const DemoArguments& arguments) {
-    const Progress progress = console_progress();
-    const fs::path out(arguments.out);
-    FolderFiles written(out);  // all of them, or none
-    const fs::path hidden = written.temporary();
+FitResult fit_sample(bool small, const Progress& progress) {
     FitOptions options;
     options.mm_per_pixel = 200.0 / 512;  // the sample's README
     options.white_level = 0.75;
-    FitResult fit = fit_painting(sample_stack("lights.lp", arguments.small), options, progress);
+    FitResult fit = fit_painting(sample_stack("lights.lp", small), options, progress);
     fit.surface.provenance = nlohmann::json{
         {"program", "tangipaint " TP_VERSION},
         {"command", "demo"},
         {"inputs",
          "datasets/impasto/jpg"}}.dump();
-    told_of(hidden, out, [&] { write_painting(hidden / "painting.exr", fit.surface, progress); });
+    return fit;
+}
 
+// Where files are written until all of them are there, and the name that messages give that folder.
+struct DemoFolder {
+    std::filesystem::path hidden, named;
+};
+
+void write_relit(const Surface& surface, const DemoFolder& to) {
+    RelightOptions options;
+    options.cast_shadows = true;
     for (const NamedLight& light : kLights) {
         const std::vector<Light> lights{distant_light(light.direction)};
-        RelightOptions relight_options;
-        relight_options.cast_shadows = true;
-        told_of(hidden, out, [&] {
-            write_picture(hidden / light.file, relight(fit.surface, lights, relight_options),
+        told_of(to.hidden, to.named, [&] {
+            write_picture(to.hidden / light.file, relight(surface, lights, options),
                           Transfer{Transfer::Kind::srgb});
         });
     }
-    const Stack held_out = sample_stack("heldout.lp", arguments.small);
-    CompareReport report;
-    told_of(hidden, out, [&] {
-        report = write_comparison(hidden / "compare", fit.surface, held_out, {}, progress);
-        write_picture_8bit(hidden / "contact_sheet.png",
-                           contact_sheet(fit.surface, held_out, report, {}, progress));
-    });
-    written.place();
+}
 
+// With photographs that the fit never saw.
+CompareReport write_compared(const Surface& surface, bool small, const DemoFolder& to,
+                             const Progress& progress) {
+    const Stack held_out = sample_stack("heldout.lp", small);
+    CompareReport report;
+    told_of(to.hidden, to.named, [&] {
+        report = write_comparison(to.hidden / "compare", surface, held_out, {}, progress);
+        write_picture_8bit(to.hidden / "contact_sheet.png",
+                           contact_sheet(surface, held_out, report, {}, progress));
+    });
+    return report;
+}
+
+void say_where_to_look(const fs::path& out, const FitReport& fit, const CompareReport& compared) {
     write_stderr(fmt::format(
         "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"
         "photographs under lights that the fit never saw.\n\n"
@@ -91,10 +101,24 @@ nlohmann::json run_demo(const DemoArguments& arguments) {
         "  {}   each photograph beside its relit picture, with a slider\n"
         "  {}   and its siblings: the painting under new lights\n"
         "  {}   the painting: EXR with height, normals, Ward parameters\n\n",
-        report.held_out.count, report.held_out.psnr_db, report.held_out.ssim, report.held_out.delta_e_2000,
-        fit.report.fitted, fit.report.pixels, fit.report.median_confidence,
+        compared.held_out.count, compared.held_out.psnr_db, compared.held_out.ssim,
+        compared.held_out.delta_e_2000, fit.fitted, fit.pixels, fit.median_confidence,
         (out / "contact_sheet.png").string(), (out / "compare" / "compare.html").string(),
         (out / kLights[0].file).string(), (out / "painting.exr").string()));
+}
+
+nlohmann::json run_demo(const DemoArguments& arguments) {
+    const Progress progress = console_progress();
+    const fs::path out(arguments.out);
+    FolderFiles written(out);  // all of them, or none
+    const DemoFolder folder{written.temporary(), out};
+    const FitResult fit = fit_sample(arguments.small, progress);
+    told_of(folder.hidden, out,
+            [&] { write_painting(folder.hidden / "painting.exr", fit.surface, progress); });
+    write_relit(fit.surface, folder);
+    const CompareReport report = write_compared(fit.surface, arguments.small, folder, progress);
+    written.place();
+    say_where_to_look(out, fit.report, report);
     return {{"out", arguments.out},
             {"held_out", to_json(report)["mean"]["held_out"]},
             {"fitted_pixels", fit.report.fitted},
