@@ -40,55 +40,57 @@ void refuse_useless(const ImportArguments& a, const MapFiles& files) {
            "is of a height map of whole numbers, and there is none; an EXR file is in mm");
 }
 
-nlohmann::json run_import(const ImportArguments& a) {
-    const Progress progress = console_progress();
-    if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
+// A kind of map: its name, what was typed for it, and its file.
+struct GivenMap {
+    const char* name;
+    const std::string& typed;
+    std::optional<fs::path>& file;
+};
+
+std::array<GivenMap, 10> given_maps(const ImportArguments& a, MapFiles& files) {
+    return {{{"diffuse", a.diffuse, files.diffuse},
+             {"specular", a.specular, files.specular},
+             {"normals", a.normals, files.normals},
+             {"gloss", a.gloss, files.gloss},
+             {"roughness", a.roughness, files.roughness},
+             {"height", a.height, files.height},
+             {"lobe", a.lobe, files.lobe},
+             {"roughness_v", a.roughness_v, files.across},
+             {"tangent", a.tangent, files.tangent},
+             {"confidence", a.confidence, files.confidence}}};
+}
+
+// A map that is named comes before those that are found.
+MapFiles map_files(const ImportArguments& a) {
     MapFiles files;
-    const std::array<std::tuple<const char*, const std::string*, std::optional<fs::path>*>, 10> given = {
-        {{"diffuse", &a.diffuse, &files.diffuse},
-         {"specular", &a.specular, &files.specular},
-         {"normals", &a.normals, &files.normals},
-         {"gloss", &a.gloss, &files.gloss},
-         {"roughness", &a.roughness, &files.roughness},
-         {"height", &a.height, &files.height},
-         {"lobe", &a.lobe, &files.lobe},
-         {"roughness_v", &a.roughness_v, &files.across},
-         {"tangent", &a.tangent, &files.tangent},
-         {"confidence", &a.confidence, &files.confidence}}};
-    for (const auto& [name, text, file] : given)
-        if (!text->empty()) *file = *text;
-    // A map that is named comes before those that are found.
+    for (const GivenMap& map : given_maps(a, files))
+        if (!map.typed.empty()) map.file = map.typed;
     if (!a.folder.empty()) files = find_maps(a.folder, files);
     if (!a.gloss.empty() && a.roughness.empty()) files.roughness.reset();
+    return files;
+}
+
+// Each map's file by its name, which is there, is a map, and is not what is written.
+nlohmann::json checked_maps(const ImportArguments& a, MapFiles& files) {
     nlohmann::json maps = nlohmann::json::object();
-    for (const auto& [name, text, file] : given) {
-        if (!*file) continue;
-        if (!fs::is_regular_file(**file)) fail("{}: no such file", (*file)->string());
-        if (lower_extension(**file) == ".exr" && is_painting(**file))
-            fail("{}: is a painting, not a map; its maps are written by: export {} --to maps",
-                 (*file)->string(), (*file)->string());
-        refuse_to_overwrite(a.out, {**file});
-        maps[name] = (*file)->string();
+    for (const auto& [name, typed, file] : given_maps(a, files)) {
+        if (!file) continue;
+        if (!fs::is_regular_file(*file)) fail("{}: no such file", file->string());
+        if (lower_extension(*file) == ".exr" && is_painting(*file))
+            fail("{}: is a painting, not a map; its maps are written by: export {} --to maps", file->string(),
+                 file->string());
+        refuse_to_overwrite(a.out, {*file});
+        maps[name] = file->string();
     }
-    refuse_useless(a, files);
-    const ImportOptions wanted = a.folder.empty() ? a.options : as_described(a.folder, a.options);
-    AtomicFile out(a.out);
-    ImportReport report;
-    Surface surface = import_maps(files, wanted, report, progress);
-    nlohmann::json options = to_json(wanted);
-    surface.provenance = nlohmann::json{
-        {"program", "tangipaint " TP_VERSION},
-        {"command", "import"},
-        {"options", options},
-        {"maps", maps}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    write_painting(out, surface, progress);
+    return maps;
+}
+
+nlohmann::json result_of(const Surface& surface, const ImportReport& report) {
     nlohmann::json poor = nlohmann::json::array();
     if (!report.height.converged)
         poor.push_back("the height did not converge; its low frequencies are doubtful");
-    return {{"painting", a.out},
-            {"width", surface.width()},
+    return {{"width", surface.width()},
             {"height", surface.height()},
-            {"maps", maps},
             {"pixels",
              {{"all", report.pixels}, {"measured", report.measured}, {"facing_away", report.facing_away}}},
             {"mm_per_pixel", surface.mm_per_pixel},
@@ -104,6 +106,28 @@ nlohmann::json run_import(const ImportArguments& a) {
             {"dry_hash", hash_of(surface)},
             {"warnings", told(report.warnings)},
             {"poor", poor}};
+}
+
+nlohmann::json run_import(const ImportArguments& a) {
+    const Progress progress = console_progress();
+    if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
+    MapFiles files = map_files(a);
+    const nlohmann::json maps = checked_maps(a, files);
+    refuse_useless(a, files);
+    const ImportOptions wanted = a.folder.empty() ? a.options : as_described(a.folder, a.options);
+    AtomicFile out(a.out);
+    ImportReport report;
+    Surface surface = import_maps(files, wanted, report, progress);
+    nlohmann::json options = to_json(wanted);
+    surface.provenance = nlohmann::json{
+        {"program", "tangipaint " TP_VERSION},
+        {"command", "import"},
+        {"options", options},
+        {"maps", maps}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    write_painting(out, surface, progress);
+    nlohmann::json result = result_of(surface, report);
+    result["painting"] = a.out, result["maps"] = maps;
+    return result;
 }
 
 }  // namespace
