@@ -1,5 +1,6 @@
 // paint_command.cpp: tangipaint paint [PAINTING.exr | --substrate NAME]: the window
 #include <filesystem>
+#include <tuple>
 
 #include "cli/arguments.h"
 #include "cli/capture/fit_folder.h"
@@ -71,9 +72,7 @@ HostServices workshop_of(const PaintArguments& a) {
     return workshop;
 }
 
-nlohmann::json run_paint(PaintArguments a) {
-    if (fs::is_regular_file(fs::path(a.painting) / "log.jsonl"))  // a treatment
-        a.painting = (fs::path(a.painting) / "painting.exr").string();
+void require_sound(const PaintArguments& a) {
     if (a.painting.empty() != a.substrate.given())
         throw UsageError("give a painting, paint PAINTING.exr, or a new canvas, paint --substrate linen");
     if (a.substrate.given() && a.mm_per_pixel)
@@ -82,7 +81,7 @@ nlohmann::json run_paint(PaintArguments a) {
     if (a.monitor == "srgb")
         refuse_typed(a.substrate.typed(), {"--intent"},
                      "is of a monitor's profile, and with --monitor srgb there is none");
-    const auto [width, height] = size_of(a.size);
+    (void)size_of(a.size);
     if (!a.substrate.given() && !a.out.empty())
         throw UsageError(
             "--out is of a new canvas; a painting is saved where it is (copy it first to keep it as it was)");
@@ -94,7 +93,9 @@ nlohmann::json run_paint(PaintArguments a) {
         fail("--out {}: a painting is an .exr file", a.out);
     if (!a.out.empty() && fs::exists(a.out))
         fail("--out {}: exists already; open it with: paint {}", a.out, a.out);
-    const Progress progress = console_progress();
+}
+
+WindowSetup setup_of(const PaintArguments& a) {
     std::vector<std::string> warnings;
     WindowSetup setup{
         .open = [a](const Progress& p) { return canvas_of(a, p); },
@@ -104,8 +105,7 @@ nlohmann::json run_paint(PaintArguments a) {
         for (const std::string& warning : a.substrate.warnings()) warnings.push_back(warning);
     told(warnings);
     setup.warnings = warnings;
-    setup.width = width;
-    setup.height = height;
+    std::tie(setup.width, setup.height) = size_of(a.size);
     setup.file_is_new = a.substrate.given();
     setup.file = !setup.file_is_new ? fs::path(a.painting) : a.out.empty() ? untitled({}) : fs::path(a.out);
     setup.author = a.author.author();
@@ -117,7 +117,10 @@ nlohmann::json run_paint(PaintArguments a) {
     if (!a.monitor.empty() && !setup.monitor_is_srgb) setup.monitor = Monitor::read(a.monitor);
     setup.intent = a.intent == "relative" ? RenderingIntent::relative : RenderingIntent::perceptual;
     setup.camera = a.camera;
-    const WindowResult result = run_window(std::move(setup), progress);
+    return setup;
+}
+
+nlohmann::json as_json(const WindowResult& result) {
     return {{"painting",
              fs::exists(result.file) ? nlohmann::json(result.file.string()) : nlohmann::json(nullptr)},
             {"strokes", result.strokes},
@@ -129,6 +132,14 @@ nlohmann::json run_paint(PaintArguments a) {
             {"fetched_bytes", result.fetched_bytes},
             {"uploaded_bytes", result.uploaded_bytes},
             {"drawn_by", result.drawn_by}};
+}
+
+nlohmann::json run_paint(PaintArguments a) {
+    if (fs::is_regular_file(fs::path(a.painting) / "log.jsonl"))  // a treatment
+        a.painting = (fs::path(a.painting) / "painting.exr").string();
+    require_sound(a);
+    const Progress progress = console_progress();
+    return as_json(run_window(setup_of(a), progress));
 }
 
 }  // namespace

@@ -48,7 +48,15 @@ void refuse_palette(const Journal& journal) {
             journal.source, first->line));
 }
 
-nlohmann::json run_replay(const ReplayArguments& a) {
+std::vector<fs::path> inputs_of(const ReplayArguments& a) {
+    std::vector<fs::path> inputs(a.files.begin(), a.files.end());
+    for (const std::string& file : {a.palette, a.brushes})
+        if (!file.empty()) inputs.emplace_back(file);
+    for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
+    return inputs;
+}
+
+void require_sound_inputs(const ReplayArguments& a) {
     const std::size_t expected = !a.substrate.given() ? 2 : 1;
     if (a.files.size() != expected)
         throw UsageError(
@@ -60,13 +68,12 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         throw UsageError("--mm-per-pixel is of a painting; the pixels of a substrate are --pixel-mm");
     a.substrate.refuse_useless();
     a.frames.refuse_useless();
-    const std::string& strokes = a.files.back();
-    if (lower_extension(strokes) == ".exr")
-        throw UsageError(fmt::format("{}: is a painting; the journal of strokes comes last", strokes));
-    std::vector<fs::path> inputs(a.files.begin(), a.files.end());
-    for (const std::string& file : {a.palette, a.brushes})
-        if (!file.empty()) inputs.emplace_back(file);
-    for (const fs::path& file : a.substrate.inputs()) inputs.push_back(file);
+    if (lower_extension(a.files.back()) == ".exr")
+        throw UsageError(fmt::format("{}: is a painting; the journal of strokes comes last", a.files.back()));
+}
+
+void require_sound_outputs(const ReplayArguments& a) {
+    const std::vector<fs::path> inputs = inputs_of(a);
     refuse_to_overwrite(a.out, inputs);
     if (!a.board.empty()) refuse_to_overwrite(a.board, inputs, "--board");
     if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs, "--video");
@@ -74,67 +81,100 @@ nlohmann::json run_replay(const ReplayArguments& a) {
         if (!file.empty() && lower_extension(file) != ".exr") fail("{}: a painting is an .exr file", file);
     if (!a.board.empty() && fs::weakly_canonical(a.board) == fs::weakly_canonical(a.out))
         throw UsageError(fmt::format("--board {}: is where the painting goes; give another name", a.board));
-    const Progress progress = console_progress();
-    std::vector<std::string> warnings = a.substrate.warnings();
-    const auto brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings);
-    const Journal journal = a.recover ? recovered_journal(strokes, brushes) : read_journal(strokes, brushes);
-    AtomicFile out(a.out);  // that it can be written is known before the work
+}
+
+// What the command writes, put in place together.
+struct ReplayFiles {
+    explicit ReplayFiles(const ReplayArguments& a) : painting(a.out) {
+        if (!a.board.empty()) board.emplace(a.board);
+    }
+    AtomicFile painting;
     std::optional<AtomicFile> board;
-    if (!a.board.empty()) board.emplace(a.board);
-    if (!a.palette.empty()) refuse_palette(journal);
-    Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
-    session.masks_from(masks_beside(strokes, session.canvas().width(), session.canvas().height()));
+};
+
+// Masks that strokes name, and the tools that an earlier sitting left with the painting.
+void prepare(Session& session, const ReplayArguments& a, const Progress& progress) {
+    session.masks_from(masks_beside(a.files.back(), session.canvas().width(), session.canvas().height()));
     if (!a.substrate.given()) read_tools(a.files.front(), session, progress);
-    if (!session.canvas().dry().scale_known && !a.mm_per_pixel && session.canvas().mm_per_pixel() == 1)
+}
+
+// Of a painting and a journal that may not belong together.
+void warn_of_painting(const ReplayArguments& a, const Canvas& canvas, const Journal& journal,
+                      const std::string& dry_hash, std::vector<std::string>& warnings) {
+    if (!canvas.dry().scale_known && !a.mm_per_pixel && canvas.mm_per_pixel() == 1)
         warnings.push_back(fmt::format(
             "{}: its scale is unknown: a pixel is taken for one mm; give --mm-per-pixel", a.files.front()));
-    const std::string dry_hash = hash_of(session.canvas().dry());
-    if (!a.substrate.given() && !journal.head.on.empty() &&
-        journal.head.on != hash_of(session.canvas(), dry_hash))
+    if (!a.substrate.given() && !journal.head.on.empty() && journal.head.on != hash_of(canvas, dry_hash))
         warnings.push_back(
             fmt::format("{}: goes on from another painting than {} is, as its first line says; its strokes "
                         "are laid all the "
                         "same",
-                        strokes, a.files.front()));
-    const auto start = std::chrono::steady_clock::now();
-    std::optional<TimeLapse> frames;
-    if (a.frames.given()) frames.emplace(a.frames, journal, session);
-    for (std::string& warning : replay(session, journal, progress)) warnings.push_back(std::move(warning));
-    if (frames) frames->complete();
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    const Canvas& canvas = session.canvas();
+                        a.files.back(), a.files.front()));
+}
+
+// What a run makes belongs together: all of it is written before any of it takes its place.
+void save(ReplayFiles& files, const ReplayArguments& a, const Session& session, TimeLapse* frames,
+          const Progress& progress) {
     std::vector<PartToWrite> further;  // goes with the dry layer, which painting does not change
     if (!a.substrate.given()) further = parts_beside_paint(a.files.front(), progress);
-    if (board && !session.board()) {  // no reason to lose the painting
-        warnings.push_back(fmt::format(
-            "--board {}: is not written: nothing was done on the palette, so there is none", a.board));
-        board.reset();
-    }
-    // What a run makes belongs together: all of it is written before any of it takes its place.
-    fill_canvas(out, canvas, progress, with_tools(std::move(further), session));
-    if (board) fill_canvas(*board, *session.board(), progress, {});
+    fill_canvas(files.painting, session.canvas(), progress, with_tools(std::move(further), session));
+    if (files.board) fill_canvas(*files.board, *session.board(), progress, {});
     OutputSet set;
-    set.add(out);
-    if (board) set.add(*board);
+    set.add(files.painting);
+    if (files.board) set.add(*files.board);
     if (frames) frames->add_to(set);
     set.commit();
+}
 
+nlohmann::json result_of(const Session& session) {
+    const Canvas& canvas = session.canvas();
     nlohmann::json layers = nlohmann::json::array();
     for (const DriedLayer& layer : canvas.dried()) layers.push_back(layer.name);
-    return {{"painting", a.out},
-            {"width", canvas.width()},
+    return {{"width", canvas.width()},
             {"height", canvas.height()},
             {"mm_per_pixel", canvas.mm_per_pixel()},
             {"strokes", session.totals().strokes},
             {"points", session.totals().points},
             {"steps", session.totals().steps},
             {"bristle_pixels", session.totals().bristle_pixels},
-            {"seconds", seconds.count()},
             {"volumes_mm3", volumes_by_name(canvas.ingredients(), canvas.volumes_mm3())},
-            {"layers", layers},
-            {"dry_hash", dry_hash},
-            {"frames", frames ? frames->frames() : 0},
-            {"warnings", told(warnings)}};
+            {"layers", layers}};
+}
+
+nlohmann::json run_replay(const ReplayArguments& a) {
+    require_sound_inputs(a);
+    require_sound_outputs(a);
+    const Progress progress = console_progress();
+    std::vector<std::string> warnings = a.substrate.warnings();
+    const auto brushes = a.brushes.empty() ? brush_presets() : read_brush_presets(a.brushes, &warnings);
+    const Journal journal =
+        a.recover ? recovered_journal(a.files.back(), brushes) : read_journal(a.files.back(), brushes);
+    ReplayFiles files(a);  // that they can be written is known before the work
+    if (!a.palette.empty()) refuse_palette(journal);
+    Session session(canvas_of(a, progress), a.palette.empty() ? artist_acrylics() : read_palette(a.palette));
+    prepare(session, a, progress);
+    const std::string dry_hash = hash_of(session.canvas().dry());
+    warn_of_painting(a, session.canvas(), journal, dry_hash, warnings);
+
+    const auto start = std::chrono::steady_clock::now();
+    std::optional<TimeLapse> frames;
+    if (a.frames.given()) frames.emplace(a.frames, journal, session);
+    for (std::string& warning : replay(session, journal, progress)) warnings.push_back(std::move(warning));
+    if (frames) frames->complete();
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    if (files.board && !session.board()) {  // no reason to lose the painting
+        warnings.push_back(fmt::format(
+            "--board {}: is not written: nothing was done on the palette, so there is none", a.board));
+        files.board.reset();
+    }
+    save(files, a, session, frames ? &*frames : nullptr, progress);
+
+    nlohmann::json result = result_of(session);
+    result["painting"] = a.out, result["dry_hash"] = dry_hash;
+    result["seconds"] = seconds.count();
+    result["frames"] = frames ? frames->frames() : 0;
+    result["warnings"] = told(warnings);
+    return result;
 }
 
 }  // namespace
