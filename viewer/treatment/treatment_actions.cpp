@@ -39,6 +39,17 @@ std::string all_of_warnings(const json& result) {
     return said;
 }
 
+// Of a retouch of lines or dots: how wide they are, and from where they are not seen any more.
+std::string lines_in_words(const RetouchReport& report, const Fusion& fusion) {
+    std::string lines = fmt::format("{} lines or dots, {:.2f} mm apart, {:.2f} mm wide; ", report.marks,
+                                    report.pitch_mm, report.width_mm);
+    lines += fusion.fuses
+                 ? fmt::format("they fuse from {:.1f} m on, there dE2000 {:.1f} from the colour around",
+                               fusion.distance_m, fusion.delta_e_fused)
+                 : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
+    return lines;
+}
+
 }  // namespace
 
 void TreatmentController::take() {
@@ -233,6 +244,37 @@ void TreatmentController::undo_last() {
     });
 }
 
+// Lays it on a copy of what there is; `shown`: what the panel says of it.
+TreatmentController::Preview TreatmentController::laid(const Laying& laying, const Treatment& now,
+                                                       Canvas canvas, ShownRetouch& shown,
+                                                       const Progress& progress) {
+    const std::vector<Pigment>& paints = laying.palette.paints;
+    StepArea area = area_of_classes(now, laying.where);
+    canvas.confine({});
+    const std::string layer = now.new_layer_name(LayerRole::retouch);
+    const RetouchReport report = lay_retouch(canvas, laying.palette, area.mask, damaged(now), laying.mode,
+                                             layer, laying.options, progress);
+    json results = in_known_units(to_json(report, paints, laying.pairs), now);
+    results["layer"] = layer;
+    count_beside(results, now, canvas.dried().back(), area.mask);
+    shown.made_with = laying.made_with;
+    shown.mode = name_of(laying.mode);
+    shown.delta_e = report.delta_e_mean;
+    shown.outside_px = results["on_original"]["pixels"].get<int>();
+    for (const Pile& pile : report.piles)
+        shown.piles.push_back(fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, paints)));
+    if (report.marks > 0) {
+        const double mm = canvas.mm_per_pixel();
+        const RetouchViews views = retouch_views(diffuse_in(canvas, canvas.region()), area.mask, report);
+        const Fusion fusion = fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm);
+        results["lines"].update(to_json(fusion));
+        shown.lines = lines_in_words(report, fusion);
+    }
+    json parameters = parameters_of(laying.mode, laying.options);
+    parameters["area"] = area.described, parameters["palette"] = laying.palette.name;
+    return {std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer};
+}
+
 void TreatmentController::preview() {
     TreatmentState& t = state_.treatment_state;
     if (state_.painter.unsaved) {
@@ -240,49 +282,19 @@ void TreatmentController::preview() {
         return;
     }
     t.state.reset();
-    const RetouchOptions options = retouch_options();
-    const std::vector<PairWarning> pairs = pairs_to_avoid(setup_.palette.paints, *pairs_);
+    Laying laying{.mode = t.mode,
+                  .options = retouch_options(),
+                  .where = t.where,
+                  .palette = setup_.palette,
+                  .list = pairs_,
+                  .pairs = pairs_to_avoid(setup_.palette.paints, *pairs_),
+                  .made_with = preview_made_with()};
     start("laying a retouch to look at",
-          [this, painter = painter_, options, made_with = preview_made_with(), where = t.where, mode = t.mode,
-           pairs, list = pairs_, palette = setup_.palette](const Progress& progress) -> Finish {
+          [this, painter = painter_, laying = std::move(laying)](const Progress& progress) -> Finish {
               const Treatment now = treatment();
-              StepArea area = area_of_classes(now, where);
-              Canvas canvas = canvas_of(*painter);
-              canvas.confine({});
-              const std::string layer = now.new_layer_name(LayerRole::retouch);
-              const RetouchReport report =
-                  lay_retouch(canvas, palette, area.mask, damaged(now), mode, layer, options, progress);
-              const double mm = canvas.mm_per_pixel();
-              json results = in_known_units(to_json(report, palette.paints, pairs), now);
-              results["layer"] = layer;
-              count_beside(results, now, canvas.dried().back(), area.mask);
               ShownRetouch shown;
-              shown.made_with = made_with;
-              shown.mode = name_of(mode);
-              shown.delta_e = report.delta_e_mean;
-              shown.outside_px = results["on_original"]["pixels"].get<int>();
-              for (const Pile& pile : report.piles)
-                  shown.piles.push_back(
-                      fmt::format("{:2.0f} %  {}", 100 * pile.share, text_of(pile.steps, palette.paints)));
-              if (report.marks > 0) {
-                  const RetouchViews views =
-                      retouch_views(diffuse_in(canvas, canvas.region()), area.mask, report);
-                  const Fusion fusion =
-                      fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm);
-                  results["lines"].update(to_json(fusion));
-                  shown.lines = fmt::format("{} lines or dots, {:.2f} mm apart, {:.2f} mm wide; ",
-                                            report.marks, report.pitch_mm, report.width_mm);
-                  shown.lines +=
-                      fusion.fuses
-                          ? fmt::format(
-                                "they fuse from {:.1f} m on, there dE2000 {:.1f} from the colour around",
-                                fusion.distance_m, fusion.delta_e_fused)
-                          : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
-              }
-              json parameters = parameters_of(mode, options);
-              parameters["area"] = area.described, parameters["palette"] = palette.name;
-              auto made = std::make_shared<const Preview>(Preview{
-                  std::move(canvas), std::move(area), std::move(parameters), std::move(results), layer});
+              auto made =
+                  std::make_shared<const Preview>(laid(laying, now, canvas_of(*painter), shown, progress));
               return [this, made, shown = std::move(shown)]() mutable {
                   preview_ = made;
                   state_.treatment_state.preview = std::move(shown);

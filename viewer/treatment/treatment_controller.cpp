@@ -45,30 +45,6 @@ void read_recovery(const fs::path& folder, TreatmentState& t) {
         t.feather_mm = std::clamp(it->get<float>(), 0.0f, 100.0f);
 }
 
-// A line of the log in a few words: "varnish: isolating varnish 1".
-std::string told(const json& entry) {
-    std::vector<std::string> of;
-    const json results = entry.value("results", json::object()),
-               asked = entry.value("parameters", json::object());
-    const auto add = [&](const json& from, const char* field) {
-        if (from.contains(field) && from[field].is_string()) of.push_back(from[field].get<std::string>());
-    };
-    add(results, "layer");
-    for (const json& layer : results.value("retouches", json::array())) add(layer, "layer");
-    for (const char* field : {"layers", "brought_back"})
-        for (const json& layer : asked.value(field, json::array()))
-            if (layer.is_string()) of.push_back(layer.get<std::string>());
-    add(asked, "suggest");
-    if (const json name = asked.value("class", json()); name.is_string())
-        if (const auto damage = damage_class_named(name.get<std::string>()))
-            of.emplace_back(title_of(*damage));
-    for (const json& name : asked.value("masks", json::array()))
-        if (const auto damage = damage_class_named(name.get<std::string>()))
-            of.emplace_back(title_of(*damage));
-    const std::string action = entry.value("action", "");
-    return of.empty() ? action : fmt::format("{}: {}", action, fmt::join(of, ", "));
-}
-
 }  // namespace
 
 std::optional<fs::path> treatment_of(const fs::path& painting) {
@@ -208,70 +184,6 @@ void TreatmentController::check() {
     if (started) t.checking = true;
 }
 
-TreatmentController::Facts TreatmentController::facts_of(const Treatment& treatment, const Canvas& canvas) {
-    Facts facts;
-    Mask belongs(treatment.width(), treatment.height());
-    for (std::size_t i = 0; i < kDamageClasses.size(); ++i) {
-        DamageRow& row = facts.damage[i];
-        row.damage = kDamageClasses[i];
-        row.there = treatment.has_mask(row.damage);
-        if (!row.there) continue;
-        Mask mask = treatment.mask(row.damage);
-        const MaskArea area = area_of(mask, treatment.mm_per_pixel());
-        row.logged = {area.regions, area.mm2 / 100, area.percent};
-        belongs = united(belongs, mask);
-        facts.masks.emplace_back(row.damage, std::move(mask));
-    }
-    const std::vector<TreatmentLayer> layers = treatment.layers();
-    for (const TreatmentLayer& layer : layers) {
-        LayerRow row{layer.name, layer.role, {}};
-        for (const DriedLayer& dried : canvas.dried())
-            if (dried.name == layer.name)
-                row.on_original = on_original(dried.paint, belongs, treatment.mm_per_pixel());
-        facts.layers.push_back(std::move(row));
-    }
-    facts.additions = additions_of(canvas, layers, belongs);
-    facts.next_undo = next_undo(treatment);
-    const auto& entries = treatment.log().entries();
-    for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
-        const json& c = entry->content;
-        facts.log.push_back({entry->line, c.value("time", ""), c.value("who", ""), told(c), entry->sha256});
-    }
-    return facts;
-}
-
-void TreatmentController::adopt(Facts facts) {
-    TreatmentState& t = state_.treatment_state;
-    for (std::size_t i = 0; i < facts.damage.size(); ++i) {
-        facts.damage[i].shown = t.damage[i].shown;
-        if (drafts_.contains(facts.damage[i].damage)) facts.damage[i].corrected = t.damage[i].corrected;
-    }
-    t.damage = facts.damage;
-    t.layers_moved |= !std::ranges::equal(t.layers, facts.layers, {}, &LayerRow::name, &LayerRow::name);
-    t.layers = std::move(facts.layers);
-    t.next_undo = std::move(facts.next_undo);
-    t.log = std::move(facts.log);
-    if (!last_)  // a draft without corrections goes by what the class had before
-        std::erase_if(drafts_, [](const auto& draft) { return !draft.second.can_undo(); });
-    for (const auto& [damage, mask] : facts.masks)
-        if (!drafts_.contains(damage)) map_.set(damage, mask);
-    map_.set_additions(facts.additions);
-    map_changed_ = map_.compose(style_);
-    confine_due_ = true;
-}
-
-// After something was logged.
-void TreatmentController::refresh() {
-    refresh_due_ = false;
-    start(
-        "reading the treatment",
-        [this, painter = painter_](const Progress&) -> Finish {
-            Facts facts = facts_of(treatment(), canvas_of(*painter));
-            return [this, facts = std::move(facts)]() mutable { adopt(std::move(facts)); };
-        },
-        true);
-}
-
 // The painter's brushes stop at the damage that is retouched.
 void TreatmentController::confine() {
     const TreatmentState& t = state_.treatment_state;
@@ -335,24 +247,59 @@ Painter::Kept TreatmentController::kept(Held& held, Keeping& keeping, Canvas& ca
                         area_in_words(last), last["on_original"]["pixels"].get<int>())};
 }
 
+// What the job that ran to its end leaves.
+void TreatmentController::finish_job() {
+    TreatmentState& t = state_.treatment_state;
+    t.job = job_->state();
+    t.job_title = job_->title();
+    if (!t.job->over) return;
+    const Job::State end = *t.job;
+    const std::string title = job_->title();
+    job_.reset();  // its thread is done: what it made is ours
+    t.job.reset();
+    if (end.cancelled) setup_.say("stopped: " + title);
+    if (!end.error.empty()) setup_.say(end.error);
+    if (end.cancelled || !end.error.empty()) t.checking = false;
+    if (const Finish finish = std::exchange(finish_, {})) finish();
+}
+
+// What was logged is read, and the brushes stop where the settings say, as soon as nothing else runs.
+void TreatmentController::keep_up() {
+    const TreatmentState& t = state_.treatment_state;
+    refresh_due_ |= keeping_->done.exchange(false);
+    {
+        const std::lock_guard lock(keeping_->mutex);
+        keeping_->author = author();
+    }
+    if (!t.usable || job_) return;
+    if (recovery_of(t).dump() != confined_by_) confine_due_ = true;
+    if (refresh_due_)
+        refresh();
+    else if (confine_due_)
+        confine();
+}
+
+void TreatmentController::look_for_folder() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - looked_ < kBetweenLooks) return;
+    looked_ = now;
+    gone_ = treatment_of(painting_) != fs::path(state_.treatment_state.folder);
+}
+
+void TreatmentController::compose_map() {
+    const TreatmentState& t = state_.treatment_state;
+    DamageMap::Style style{{}, t.style, t.additions};
+    for (std::size_t i = 0; i < t.damage.size(); ++i) style.shown[i] = t.damage[i].shown;
+    if (style == style_) return;
+    style_ = style;
+    map_changed_ = map_.compose(style_);
+}
+
 bool TreatmentController::look() {
     TreatmentState& t = state_.treatment_state;
     if (!painter_) return false;
-    bool worked = job_ != nullptr;
-    if (job_) {
-        t.job = job_->state();
-        t.job_title = job_->title();
-        if (t.job->over) {
-            const Job::State end = *t.job;
-            const std::string title = job_->title();
-            job_.reset();  // its thread is done: what it made is ours
-            t.job.reset();
-            if (end.cancelled) setup_.say("stopped: " + title);
-            if (!end.error.empty()) setup_.say(end.error);
-            if (end.cancelled || !end.error.empty()) t.checking = false;
-            if (const Finish finish = std::exchange(finish_, {})) finish();
-        }
-    }
+    const bool worked = job_ != nullptr;
+    if (job_) finish_job();
     if (!held_) return worked;
     if (painting_ != painter_->file()) {
         Painter* painter = painter_;
@@ -360,29 +307,10 @@ bool TreatmentController::look() {
         shows(*painter);  // it was saved under another name
         return true;
     }
-    refresh_due_ |= keeping_->done.exchange(false);
-    {
-        const std::lock_guard lock(keeping_->mutex);
-        keeping_->author = author();
-    }
-    if (t.usable && !job_) {
-        if (recovery_of(t).dump() != confined_by_) confine_due_ = true;
-        if (refresh_due_)
-            refresh();
-        else if (confine_due_)
-            confine();
-    }
-    if (const auto now = std::chrono::steady_clock::now(); now - looked_ >= kBetweenLooks) {
-        looked_ = now;
-        gone_ = treatment_of(painting_) != fs::path(t.folder);
-    }
+    keep_up();
+    look_for_folder();
     t.no_strokes = no_strokes();
-    DamageMap::Style style{{}, t.style, t.additions};
-    for (std::size_t i = 0; i < t.damage.size(); ++i) style.shown[i] = t.damage[i].shown;
-    if (!(style == style_)) {
-        style_ = style;
-        map_changed_ = map_.compose(style_);
-    }
+    compose_map();
     find_stale();
     if (t.suggestion && t.suggestion->threshold != threshold_) show_suggestion();
     if (t.state != state_shown_) show_state();

@@ -87,11 +87,37 @@ private:
         std::vector<double> confidence;  // of each region: the mean over it
         double mm_per_pixel = 1;
     };
+    // What a suggestion is looked for in, and how, as it was when it was asked for.
+    struct Search {
+        Suggesting what = Suggesting::loss;
+        std::string made_with;
+        std::shared_ptr<const Surface> dry;
+        double mm_per_pixel = 1;
+        bool scale_known = false;
+        LossOptions loss;
+        CraquelureOptions craquelure;
+        GlossOptions gloss;
+        AreaOptions areas;
+    };
+    struct Found {
+        Suggested suggested;
+        ShownSuggestion shown;
+    };
     struct Preview {
         Canvas canvas;  // with the retouch on top
         StepArea area;
         nlohmann::json parameters, results;
         std::string layer;
+    };
+    // How a retouch is laid to be looked at, as it was when it was asked for.
+    struct Laying {
+        RetouchMode mode = RetouchMode::mimetic;
+        RetouchOptions options;
+        std::set<DamageClass> where;
+        Palette palette;
+        std::shared_ptr<const std::vector<PigmentPair>> list;  // that `pairs` are of
+        std::vector<PairWarning> pairs;
+        std::string made_with;
     };
     // What a save by the painter's thread goes by.
     struct Keeping {
@@ -114,6 +140,10 @@ private:
     static Facts facts_of(const Treatment& treatment, const Canvas& canvas);
     static Canvas canvas_of(Painter& painter);
     void adopt(Facts facts);
+    void finish_job();
+    void keep_up();
+    void look_for_folder();
+    void compose_map();
     void open(const std::filesystem::path& folder);
     void refresh();
     void confine();
@@ -132,9 +162,12 @@ private:
     void keep_edits();
     void drop_edits();
     void suggest();
-    static void suggest_areas_into(Suggested& s, ShownSuggestion& shown, DamageClass damage,
-                                   const Surface& dry, double mm, AreaOptions options,
-                                   const Progress& progress);
+    Search search_of(Suggesting what) const;
+    static Found found_by(const Search& search, const Progress& progress);
+    static void find_losses(const Search& search, Found& found, const Progress& progress);
+    static void find_craquelure(const Search& search, Found& found, const Progress& progress);
+    static void find_gloss(const Search& search, Found& found, const Progress& progress);
+    static void find_areas(const Search& search, Found& found, const Progress& progress);
     Mask sure_enough() const;
     void show_suggestion();
     void accept();
@@ -147,6 +180,8 @@ private:
     void fill();
     void varnish(bool isolating);
     void preview();
+    static Preview laid(const Laying& laying, const Treatment& now, Canvas canvas, ShownRetouch& shown,
+                        const Progress& progress);
     void apply();
     void remove(const std::vector<std::string>& layers);
     void undo_last();

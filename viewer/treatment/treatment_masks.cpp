@@ -1,4 +1,4 @@
-// treatment_masks.cpp: of the treatment: damage that is drawn, and suggested.
+// treatment_masks.cpp: of the treatment: damage that is drawn.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,36 +13,9 @@ using nlohmann::json;
 
 namespace {
 
-// [1] Regions that are less sure are not even offered.
-constexpr double kLeastSure = 0.2;
-
 const char* name_of(MaskTool tool) {
     constexpr std::array<const char*, 4> names = {"brush", "polygon", "wand", "area"};
     return names[static_cast<std::size_t>(tool)];
-}
-
-DamageClass area_class_of(Suggesting what) {
-    switch (what) {
-        case Suggesting::old_fill:
-            return DamageClass::old_fill;
-        case Suggesting::overpaint:
-            return DamageClass::overpaint;
-        case Suggesting::stain:
-            return DamageClass::stain;
-        case Suggesting::flaking:
-            return DamageClass::flaking;
-        default:
-            return DamageClass::abrasion;
-    }
-}
-
-std::vector<double> mean_confidence(const MaskRegions& regions, const Image<float>& confidence) {
-    std::vector<double> sum(regions.regions.size());
-    for (std::size_t i = 0; i < confidence.size(); ++i)
-        if (const int number = regions.number.pixels()[i]; number > 0)
-            sum[static_cast<std::size_t>(number - 1)] += static_cast<double>(confidence.pixels()[i]);
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] /= std::max(regions.regions[i].pixels, 1);
-    return sum;
 }
 
 }  // namespace
@@ -233,164 +206,6 @@ void TreatmentController::drop_edits() {
     for (const auto& [damage, draft] : std::exchange(drafts_, {})) map_.set(damage, treatment().mask(damage));
     map_changed_ = map_.compose(style_);
     count_edits();
-}
-
-void TreatmentController::suggest_areas_into(Suggested& s, ShownSuggestion& shown, DamageClass damage,
-                                             const Surface& dry, double mm, AreaOptions options,
-                                             const Progress& progress) {
-    options.area_confidence = std::min(options.area_confidence, kLeastSure);  // the slider goes on from there
-    AreaSuggestion areas = tangi::suggest_areas(dry, mm, damage, options, progress);
-    s.action = name_of(damage);
-    s.options = to_json(options);
-    shown.title = title_of(damage);
-    shown.as = damage;
-    if (!areas.areas.empty()) {
-        const SuggestedArea& surest = areas.areas.front();
-        shown.measured = fmt::format("the surest: {}", surest.cues);
-        if (areas.weak > 0)
-            shown.measured += fmt::format("; {} of {} rest on weak evidence", areas.weak, areas.areas.size());
-    }
-    s.best = std::move(areas);
-}
-
-void TreatmentController::suggest() {
-    TreatmentState& t = state_.treatment_state;
-    const Suggesting what = t.suggesting;
-    constexpr std::array<const char*, 8> titles = {
-        "looking for losses",    "looking for craquelure", "looking for other gloss", "looking for old fills",
-        "looking for overpaint", "looking for stains",     "looking for abrasion",    "looking for flaking"};
-    const auto& title = titles[static_cast<std::size_t>(what)];
-    start(title,
-          [this, what, made_with = suggestion_made_with(what), dry = painter_->dry(), mm = t.mm_per_pixel,
-           known = t.scale_known, loss = t.loss, craquelure = t.craquelure, gloss = t.gloss,
-           areas = t.areas](const Progress& progress) -> Finish {
-              Suggested s;
-              ShownSuggestion shown;
-              shown.what = what;
-              shown.made_with = made_with;
-              s.mm_per_pixel = mm;
-              if (what == Suggesting::loss) {
-                  LossOptions options = loss;
-                  options.confidence =
-                      std::min(options.confidence, kLeastSure);  // the slider goes on from there
-                  s.action = "loss";
-                  s.options = to_json(options);
-                  s.best = suggest_loss(*dry, mm, options, progress);
-                  shown.title = "Losses";
-                  shown.as = DamageClass::loss_to_ground;
-              } else if (what == Suggesting::craquelure) {
-                  CraquelureSuggestion cracks = suggest_craquelure(*dry, mm, craquelure, progress);
-                  s.action = "craquelure";
-                  s.options = to_json(craquelure);
-                  shown.title = "Craquelure";
-                  shown.as = DamageClass::craquelure;
-                  shown.measured = in_words(cracks.measure, mm, known);
-                  s.results["measured"] = as_stated(cracks.measure, mm, known);
-                  s.best = std::move(cracks);
-              } else if (what != Suggesting::gloss) {
-                  suggest_areas_into(s, shown, area_class_of(what), *dry, mm, areas, progress);
-              } else {
-                  GlossSuggestion patches = suggest_gloss(*dry, mm, gloss, progress);
-                  s.action = "gloss";
-                  s.options = to_json(gloss);
-                  shown.title = "Matter patches";
-                  shown.as = DamageClass::overpaint;
-                  shown.measured =
-                      fmt::format("{} patches, glossier ones among them", patches.patches.size());
-                  s.further.emplace_back("glossier", std::move(patches.glossier));
-                  s.best = std::move(patches.matter);
-              }
-              s.regions = regions_of(s.best.mask);
-              s.confidence = mean_confidence(s.regions, s.best.confidence);
-              shown.regions = static_cast<int>(s.confidence.size());
-              // All of them, where the measure of confidence is not the one that losses have.
-              if (what == Suggesting::craquelure || what == Suggesting::gloss) shown.threshold = 0;
-              return [this, s = std::move(s), shown = std::move(shown)]() mutable {
-                  suggested_ = std::move(s);
-                  state_.treatment_state.suggestion = std::move(shown);
-                  state_.treatment_state.map = true;
-                  state_.treatment_state.additions = false;
-                  show_suggestion();
-                  if (state_.treatment_state.suggestion->regions == 0)
-                      setup_.say(
-                          "nothing that looks like it was found; the numbers below say how it is looked for");
-              };
-          });
-}
-
-// Regions whose mean confidence reaches the threshold.
-Mask TreatmentController::sure_enough() const {
-    const auto threshold = static_cast<double>(state_.treatment_state.suggestion->threshold);
-    Mask mask(suggested_->best.mask.width(), suggested_->best.mask.height());
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-        const int number = suggested_->regions.number.pixels()[i];
-        if (number > 0 && suggested_->confidence[static_cast<std::size_t>(number - 1)] >= threshold)
-            mask.pixels()[i] = 1;
-    }
-    return mask;
-}
-
-void TreatmentController::show_suggestion() {
-    ShownSuggestion& shown = *state_.treatment_state.suggestion;
-    threshold_ = shown.threshold;
-    const Mask mask = sure_enough();
-    shown.shown = static_cast<int>(
-        std::count_if(suggested_->confidence.begin(), suggested_->confidence.end(),
-                      [&](double sure) { return sure >= static_cast<double>(shown.threshold); }));
-    shown.area_cm2 = area_of(mask, suggested_->mm_per_pixel).mm2 / 100;
-    map_.set_suggestion(mask);
-    map_changed_ = map_.compose(style_);
-}
-
-// What was suggested takes the place of what the class has, as the log says.
-void TreatmentController::accept() {
-    const ShownSuggestion shown = *state_.treatment_state.suggestion;
-    if (shown.made_with != suggestion_made_with(shown.what)) {
-        setup_.say("how it is looked for has been changed since: suggest again");
-        return;
-    }
-    if (shown.shown == 0) {
-        setup_.say("nothing was found to accept; what is mapped stays");
-        return;
-    }
-    if (const auto drawn = drafts_.find(shown.as); drawn != drafts_.end() && drawn->second.can_undo()) {
-        setup_.say(
-            fmt::format("first enter the corrections of '{}' in the log, or drop them", title_of(shown.as)));
-        return;
-    }
-    TreatmentStep step{.action = "suggest damage",
-                       .parameters = {{"suggest", suggested_->action},
-                                      {"options", suggested_->options},
-                                      {"threshold", shown.threshold}},
-                       .results = suggested_->results};
-    const bool known = state_.treatment_state.scale_known;
-    const auto keep = [&](const std::string& name, const Mask& mask, const Image<float>& confidence) {
-        const MaskArea area = area_of(mask, suggested_->mm_per_pixel);
-        step.masks[name] = mask;
-        step.masks[name + ".confidence"] = confidence;
-        step.results[name] = area_of_step(area.mm2, suggested_->mm_per_pixel, known);
-        step.results[name]["count"] = area.regions, step.results[name]["percent"] = area.percent;
-    };
-    keep(std::string(name_of(shown.as)), sure_enough(), suggested_->best.confidence);
-    for (const auto& [name, further] : suggested_->further) keep(name, further.mask, further.confidence);
-    start("entering the damage in the log",
-          [this, step = std::move(step), who = author(), painter = painter_,
-           as = shown.as](const Progress& progress) -> Finish {
-              {
-                  const std::lock_guard lock(held_->mutex);
-                  held_->treatment.record(step, who, progress);
-              }
-              Facts facts = facts_of(treatment(), canvas_of(*painter));
-              return [this, as, facts = std::move(facts)]() mutable {
-                  suggested_.reset();
-                  state_.treatment_state.suggestion.reset();
-                  map_.set_suggestion({});
-                  drafts_.erase(as);
-                  state_.treatment_state.current = as;
-                  adopt(std::move(facts));
-                  setup_.say(fmt::format("in the log: {}", title_of(as)));
-              };
-          });
 }
 
 }  // namespace tangi

@@ -108,6 +108,38 @@ ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::
     return shown;
 }
 
+// What recipes are looked for with.
+struct Wanted {
+    Palette palette;
+    MatchOptions options;
+    std::optional<double> film_mm;  // a film over what lies there; else one that hides
+    std::vector<PairWarning> pairs;
+};
+
+// Recipes for a colour that was sampled; `where`: as the panel calls the place.
+ShownMatch matched(Sampled sampled, const std::string& where, const Wanted& by) {
+    const std::vector<Pigment>& paints = by.palette.paints;
+    MatchOptions options = by.options;
+    const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(sampled.linear), Illuminant::d65);
+    sampled.gloss.luminance = xyz.y;
+    const auto likely = likely_spectrum(paints, xyz, Illuminant::d65, options, kVisible);
+    const Spectrum wanted = likely ? likely->reflectance : smooth_spectrum(xyz, Illuminant::d65);
+    if (by.film_mm && sampled.below)
+        options.film = FilmOnGround{*by.film_mm, reflectance_of_rgb(*sampled.below)};
+    const MatchResult found = match_spectrum(paints, wanted, options);
+    ShownMatch shown;
+    shown.of = where;
+    shown.lab = lab_from_linear(glm::dvec3(sampled.linear));
+    shown.srgb = srgb_of(sampled.linear);
+    shown.spread = sampled.spread;
+    if (sampled.spread > kVaried)
+        shown.of +=
+            fmt::format(": colours vary by dE2000 {:.0f} there, the commonest is matched", sampled.spread);
+    for (const MatchedRecipe& r : found.recipes)
+        shown.recipes.push_back(shown_of(r, by.palette, by.pairs, sampled.gloss));
+    return shown;
+}
+
 std::vector<std::string> words_in(const std::string& text) {
     std::vector<std::string> words;
     std::stringstream stream(text);
@@ -185,8 +217,8 @@ void TreatmentController::match(const std::optional<glm::dvec2>& at) {
     if (t.avoid_pairs) options.allowed = without_pairs(paints.paints.size(), pairs);
     const std::optional<double> film_mm = t.film ? std::optional(t.retouch.thickness_mm) : std::nullopt;
     start("looking for recipes",
-          [this, at, options, made_with = match_made_with(), pairs, list = pairs_, film_mm, where = t.where,
-           painter = painter_, palette = paints](const Progress&) mutable -> Finish {
+          [this, at, made_with = match_made_with(), list = pairs_, where = t.where, painter = painter_,
+           wanted = Wanted{paints, options, film_mm, pairs}](const Progress&) -> Finish {
               const Treatment now = treatment();
               const double mm = now.mm_per_pixel();
               const Mask mask = area_of_classes(now, where).mask, spoilt = damaged(now);
@@ -198,24 +230,9 @@ void TreatmentController::match(const std::optional<glm::dvec2>& at) {
                       sampled.below = mean_within(seen, mask);
                   })
                   .get();
-              const glm::dvec3 xyz = xyz_of(reflectance_of_rgb(sampled.linear), Illuminant::d65);
-              sampled.gloss.luminance = xyz.y;
-              const auto likely = likely_spectrum(palette.paints, xyz, Illuminant::d65, options, kVisible);
-              const Spectrum wanted = likely ? likely->reflectance : smooth_spectrum(xyz, Illuminant::d65);
-              if (film_mm && sampled.below)
-                  options.film = FilmOnGround{*film_mm, reflectance_of_rgb(*sampled.below)};
-              const MatchResult found = match_spectrum(palette.paints, wanted, options);
-              ShownMatch shown;
+              ShownMatch shown = matched(
+                  sampled, at ? fmt::format("at {:.0f}, {:.0f}", at->x, at->y) : "round the damage", wanted);
               shown.made_with = made_with;
-              shown.of = at ? fmt::format("at {:.0f}, {:.0f}", at->x, at->y) : "round the damage";
-              shown.lab = lab_from_linear(glm::dvec3(sampled.linear));
-              shown.srgb = srgb_of(sampled.linear);
-              shown.spread = sampled.spread;
-              if (sampled.spread > kVaried)
-                  shown.of += fmt::format(": colours vary by dE2000 {:.0f} there, the commonest is matched",
-                                          sampled.spread);
-              for (const MatchedRecipe& r : found.recipes)
-                  shown.recipes.push_back(shown_of(r, palette, pairs, sampled.gloss));
               return [this, shown = std::move(shown)]() mutable {
                   state_.treatment_state.match = std::move(shown);
                   state_.treatment_state.forward = "Colour";
