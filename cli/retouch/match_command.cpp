@@ -251,10 +251,70 @@ void write_swatch(const MatchArguments& a, const Image<Rgb>& swatches, MatchFile
     files.set.add(*files.swatch);
 }
 
+// A film of paint, and what it lies on: what was given, or is in the mask, or a white ground.
+std::optional<FilmOnGround> film_of(const MatchArguments& a, const Wanted& wanted) {
+    if (!a.film_mm) return {};
+    Spectrum below;
+    below.fill(0.82f);  // paper or gesso
+    if (!a.below.empty())
+        below = reflectance_of_rgb(colour_in(a.below, "--below"));
+    else if (wanted.below)
+        below = *wanted.below;
+    return FilmOnGround{*a.film_mm, below};
+}
+
+nlohmann::json target_of(const Wanted& wanted) {
+    const Lab lab = lab_under(wanted.reflectance);
+    nlohmann::json target = wanted.described;
+    target["reflectance"] = wanted.reflectance;
+    target["lab"] = {lab.l, lab.a, lab.b};
+    return target;
+}
+
+nlohmann::json result_of(const MatchResult& found, const PaintBox& box, const Wanted& wanted,
+                         const MatchOptions& options) {
+    nlohmann::json recipes = nlohmann::json::array(), by_count = nlohmann::json::array();
+    for (const MatchedRecipe& r : found.recipes) recipes.push_back(described(r, box, wanted));
+    for (const MatchedRecipe& r : found.by_count)
+        by_count.push_back({{"paints", r.mixture.count},
+                            {"recipe", text_of(r.steps, box.palette.paints)},
+                            {"error", r.error}});
+    nlohmann::json illuminants = nlohmann::json::array();
+    for (const Illuminant illuminant : options.illuminants) illuminants.push_back(name_of(illuminant));
+    nlohmann::json result = {{"palette", box.palette.name}, {"media", box.media},
+                             {"target", target_of(wanted)}, {"illuminants", illuminants},
+                             {"recipes", recipes},          {"fewer_paints", by_count}};
+    if (found.recipes.front().error > kPoorMatch)
+        result["poor"] = {fmt::format("the nearest recipe of these paints is off by CIEDE2000 {:.1f}",
+                                      found.recipes.front().error)};
+    return result;
+}
+
+// In the treatment's log; what is written comes into its place with it.
+void record(Treatment& treatment, const MatchArguments& a, const MatchOptions& options,
+            const nlohmann::json& result, MatchFiles& files, const Progress& progress) {
+    TreatmentStep step{.action = "match", .parameters = parameters_of(options), .inputs = a.box.inputs()};
+    step.parameters["area"] = a.area.as_json();
+    step.parameters["annulus"] = to_json(a.annulus);
+    step.parameters["palette"] = result["palette"], step.parameters["avoid_pairs"] = a.box.avoid_pairs;
+    if (a.film_mm) step.parameters["film_mm"] = *a.film_mm;
+    if (!a.below.empty()) step.parameters["below"] = a.below;
+    for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
+    if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
+    step.results = result;
+    step.results.erase("seconds"), step.results.erase("picture");
+    step.elsewhere = [&] { files.set.commit(); };
+    treatment.record(step, a.author.author(), progress);
+}
+
+bool only_saves_pairs(const MatchArguments& a) {
+    return !a.save_pairs.empty() && a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() &&
+           a.painting.empty() && a.treatment.empty();
+}
+
 nlohmann::json run_match(const MatchArguments& a) {
     MatchFiles files;
-    if (!a.save_pairs.empty() && a.spectrum.empty() && a.lab.empty() && a.srgb.empty() && a.xyz.empty() &&
-        a.painting.empty() && a.treatment.empty()) {
+    if (only_saves_pairs(a)) {
         write_pairs(a, files);
         files.set.commit();
         return {{"pairs", a.save_pairs}};
@@ -269,58 +329,23 @@ nlohmann::json run_match(const MatchArguments& a) {
     std::optional<Treatment> treatment;
     if (!a.treatment.empty()) treatment = open_treatment(a.treatment);
     const Wanted wanted = wanted_by(a, treatment, box, options, progress);
-    if (a.film_mm) {
-        Spectrum below;
-        below.fill(0.82f);  // paper or gesso
-        if (!a.below.empty())
-            below = reflectance_of_rgb(colour_in(a.below, "--below"));
-        else if (wanted.below)
-            below = *wanted.below;
-        options.film = FilmOnGround{*a.film_mm, below};
-    }
+    if (const auto film = film_of(a, wanted)) options.film = film;
+
     const auto start = std::chrono::steady_clock::now();
     const MatchResult found = match_spectrum(box.palette.paints, wanted.reflectance, options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    nlohmann::json recipes = nlohmann::json::array(), by_count = nlohmann::json::array();
-    for (const MatchedRecipe& r : found.recipes) recipes.push_back(described(r, box, wanted));
-    for (const MatchedRecipe& r : found.by_count)
-        by_count.push_back({{"paints", r.mixture.count},
-                            {"recipe", text_of(r.steps, box.palette.paints)},
-                            {"error", r.error}});
-    nlohmann::json illuminants = nlohmann::json::array();
-    for (const Illuminant illuminant : options.illuminants) illuminants.push_back(name_of(illuminant));
-    const Lab lab = lab_under(wanted.reflectance);
-    nlohmann::json target = wanted.described;
-    target["reflectance"] = wanted.reflectance;
-    target["lab"] = {lab.l, lab.a, lab.b};
-    nlohmann::json result = {{"palette", box.palette.name}, {"media", box.media},        {"target", target},
-                             {"illuminants", illuminants},  {"goal", a.box.goal},        {"recipes", recipes},
-                             {"fewer_paints", by_count},    {"seconds", seconds.count()}};
+    nlohmann::json result = result_of(found, box, wanted, options);
+    result["goal"] = a.box.goal, result["seconds"] = seconds.count();
     if (a.film_mm) result["film_mm"] = *a.film_mm;
     if (!a.swatch.empty()) {
         write_swatch(a, recipe_swatches(wanted.reflectance, found.recipes, box.palette.paints), files);
         result["picture"] = a.swatch;
     }
-    if (found.recipes.front().error > kPoorMatch)
-        result["poor"] = {fmt::format("the nearest recipe of these paints is off by CIEDE2000 {:.1f}",
-                                      found.recipes.front().error)};
-    if (treatment) {
-        TreatmentStep step{.action = "match", .parameters = parameters_of(options), .inputs = a.box.inputs()};
-        step.parameters["area"] = a.area.as_json();
-        step.parameters["annulus"] = to_json(a.annulus);
-        step.parameters["palette"] = box.palette.name, step.parameters["avoid_pairs"] = a.box.avoid_pairs;
-        if (a.film_mm) step.parameters["film_mm"] = *a.film_mm;
-        if (!a.below.empty()) step.parameters["below"] = a.below;
-        for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
-        if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
-        step.results = result;
-        step.results.erase("seconds"), step.results.erase("picture");
-        step.elsewhere = [&] { files.set.commit(); };
-        treatment->record(step, a.author.author(), progress);
-    } else {
+    if (treatment)
+        record(*treatment, a, options, result, files, progress);
+    else
         files.set.commit();
-    }
     write_stderr(table_of(found, box));
     return result;
 }
