@@ -84,15 +84,6 @@ void require_new_name(const std::string& name, const Canvas& canvas,
             name));
 }
 
-// Where paint may lie.
-Mask area_of(const RetouchArguments& a, const std::optional<Treatment>& treatment, const Canvas& canvas) {
-    if (treatment) return a.area.area(*treatment);
-    Mask all(canvas.width(), canvas.height());
-    for (const std::string& file : a.area.masks)
-        all = united(all, read_mask(file, canvas.width(), canvas.height()));
-    return all;
-}
-
 void require_sound(const RetouchArguments& a) {
     if (a.treatment.empty() && (a.painting.empty() || a.out.empty()))
         throw UsageError(
@@ -112,91 +103,163 @@ void require_sound(const RetouchArguments& a) {
     require_picture_format(a.preview);
 }
 
-nlohmann::json run_retouch(RetouchArguments a) {
-    require_sound(a);
-    const Progress progress = console_progress();
-    const PaintBox box = paint_box(a.box);
-    set_options(a.box, box, a.options.match);
-    a.options.inpainting = *inpainting_named(a.inpainting);
+// Where paint may lie.
+Mask area_of(const RetouchArguments& a, const std::optional<Treatment>& treatment, const Canvas& canvas) {
+    if (treatment) return a.area.area(*treatment);
+    Mask all(canvas.width(), canvas.height());
+    for (const std::string& file : a.area.masks)
+        all = united(all, read_mask(file, canvas.width(), canvas.height()));
+    return all;
+}
+
+// What is retouched: a painting, or that of a treatment.
+struct Retouched {
     std::optional<Treatment> treatment;
-    std::optional<AtomicFile> out;
-    if (a.treatment.empty())
-        out.emplace(a.out);  // that it can be written is known before the work
-    else
-        treatment = open_treatment(a.treatment), require_its_scale(*treatment, a.mm_per_pixel);
-    if (treatment) refuse_over_unsaved(*treatment);
-    Canvas canvas =
-        treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
-    const std::string hash = sha256_of(canvas.dry());
-    const Mask mask = area_of(a, treatment, canvas);
+    Canvas canvas;
+    std::string dry_sha256;
+    bool scale_known = false;
+    Mask mask;          // where paint may lie
+    Mask spoilt;        // other damage, whose colours count for nothing; may be empty
+    std::string layer;  // that the retouch becomes
+};
+
+std::optional<Treatment> treatment_of(const RetouchArguments& a) {
+    if (a.treatment.empty()) return {};
+    Treatment treatment = open_treatment(a.treatment);
+    require_its_scale(treatment, a.mm_per_pixel);
+    refuse_over_unsaved(treatment);
+    return treatment;
+}
+
+Mask spoilt_of(const RetouchArguments& a, const std::optional<Treatment>& treatment, const Canvas& canvas) {
     Mask spoilt = a.damaged.empty() ? Mask() : read_mask(a.damaged, canvas.width(), canvas.height());
     if (treatment) spoilt = spoilt.empty() ? damaged(*treatment) : united(spoilt, damaged(*treatment));
-    const bool proposal = a.inpainting != "membrane";
+    return spoilt;
+}
+
+// Colours carried on by more than a membrane are a guess of what was there.
+bool is_proposal(const RetouchArguments& a) { return a.inpainting != "membrane"; }
+
+Retouched load(const RetouchArguments& a, const Progress& progress) {
+    std::optional<Treatment> treatment = treatment_of(a);
+    Canvas canvas =
+        treatment ? treatment->read_canvas(progress) : read_canvas(a.painting, progress, a.mm_per_pixel);
+    std::string hash = sha256_of(canvas.dry());
+    Mask mask = area_of(a, treatment, canvas);
+    Mask spoilt = spoilt_of(a, treatment, canvas);
     if (!a.layer.empty()) require_new_name(a.layer, canvas, treatment);
-    const std::string layer = treatment && a.layer.empty()
-                                  ? treatment->new_layer_name(LayerRole::retouch, proposal)
-                                  : layer_name(a, canvas);
-    const RetouchReport report = lay_retouch(canvas, box.palette, mask, spoilt, *retouch_mode_named(a.mode),
-                                             layer, a.options, progress);
-    const RetouchViews views = retouch_views(diffuse_in(canvas, canvas.region()), mask, report);
-    const double mm = canvas.mm_per_pixel();
+    std::string layer = treatment && a.layer.empty()
+                            ? treatment->new_layer_name(LayerRole::retouch, is_proposal(a))
+                            : layer_name(a, canvas);
     const bool scale_known =
         treatment ? treatment->scale_known() : canvas.dry().scale_known || a.mm_per_pixel;
+    return {.treatment = std::move(treatment),
+            .canvas = std::move(canvas),
+            .dry_sha256 = std::move(hash),
+            .scale_known = scale_known,
+            .mask = std::move(mask),
+            .spoilt = std::move(spoilt),
+            .layer = std::move(layer)};
+}
+
+// What the retouch is, what it adds to the original, and from where it is not seen any more.
+nlohmann::json result_of(const RetouchArguments& a, const Retouched& on, const PaintBox& box,
+                         const RetouchReport& report, const RetouchViews& views) {
+    const double mm = on.canvas.mm_per_pixel();
     nlohmann::json result =
-        in_known_units(to_json(report, box.palette.paints, box.warnings), mm, scale_known);
-    result["mode"] = a.mode, result["layer"] = layer, result["dry_sha256"] = hash;
-    if (treatment)
-        count_beside(result, *treatment, canvas.dried().back(), mask);
+        in_known_units(to_json(report, box.palette.paints, box.warnings), mm, on.scale_known);
+    result["mode"] = a.mode, result["layer"] = on.layer, result["dry_sha256"] = on.dry_sha256;
+    if (on.treatment)
+        count_beside(result, *on.treatment, on.canvas.dried().back(), on.mask);
     else
-        result["on_original"] =
-            in_known_units(to_json(on_original(canvas.dried().back().paint, mask, mm)), mm, scale_known);
+        result["on_original"] = in_known_units(
+            to_json(on_original(on.canvas.dried().back().paint, on.mask, mm)), mm, on.scale_known);
     if (report.marks > 0)
         result["lines"].update(to_json(
             fusion_of(views.retouched, views.target, views.mask, report.pitch_mm / mm, mm, a.viewing)));
-    if (!scale_known && (report.marks > 0 || !a.preview.empty()))
+    if (!on.scale_known && (report.marks > 0 || !a.preview.empty()))
         result["warnings"].push_back(
             "the painting's scale is unknown: widths, and the distance that a retouch is seen from, take a "
             "pixel for one mm");
-    if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
-    for (const Illuminant illuminant : a.options.match.illuminants)
+    return result;
+}
+
+// Lights under which these paints do not give the colour.
+void add_poor(const std::vector<Illuminant>& illuminants, const RetouchReport& report,
+              nlohmann::json& result) {
+    for (const Illuminant illuminant : illuminants)
         if (const double off = report.delta_e_mean[static_cast<std::size_t>(illuminant)]; off > kPoorMatch)
             result["poor"].push_back(
                 fmt::format("under {} the retouch is off by CIEDE2000 {:.1f} on average: these paints, so "
                             "thin, over this "
                             "ground, do not give the colour",
                             name_of(illuminant), off));
-    std::optional<AtomicFile> preview;
+}
+
+// What the command writes, put in place together.
+struct RetouchFiles {
+    std::optional<AtomicFile> painting, preview;
     OutputSet set;
+};
+
+void write_preview(const RetouchArguments& a, const Image<Rgb>& retouched, double mm_per_pixel,
+                   RetouchFiles& files) {
+    const bool linear = lower_extension(a.preview) == ".exr";
+    told_of(files.preview.emplace(a.preview).temporary(), a.preview, [&] {
+        write_picture(files.preview->temporary(), seen_from(retouched, mm_per_pixel, a.distance_m),
+                      linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
+    });
+    files.set.add(*files.preview);
+}
+
+// In the treatment's log, with what it was made by; the preview comes into its place with it.
+void record(const RetouchArguments& a, Retouched& on, const nlohmann::json& result, const PaintBox& box,
+            RetouchFiles& files, const Progress& progress) {
+    nlohmann::json parameters = parameters_of(*retouch_mode_named(a.mode), a.options);
+    parameters["area"] = a.area.as_json();
+    parameters["palette"] = box.palette.name, parameters["avoid_pairs"] = a.box.avoid_pairs;
+    if (result.contains("lines")) parameters["viewing"] = to_json(a.viewing);
+    TreatmentStep step;
+    step.action = is_proposal(a) ? "propose" : "retouch";
+    step.parameters = parameters, step.results = result;
+    step.masks = {{on.layer, on.mask}};
+    step.canvas = &on.canvas, step.added = {{on.layer, LayerRole::retouch}};
+    step.inputs = a.box.inputs();
+    for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
+    if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
+    step.elsewhere = [&] { files.set.commit(); };
+    on.treatment->record(step, a.author.author(), progress);
+}
+
+nlohmann::json run_retouch(RetouchArguments a) {
+    require_sound(a);
+    const Progress progress = console_progress();
+    const PaintBox box = paint_box(a.box);
+    set_options(a.box, box, a.options.match);
+    a.options.inpainting = *inpainting_named(a.inpainting);
+    RetouchFiles files;
+    if (a.treatment.empty())
+        files.painting.emplace(a.out);  // that it can be written is known before the work
+    Retouched on = load(a, progress);
+
+    const RetouchReport report = lay_retouch(on.canvas, box.palette, on.mask, on.spoilt,
+                                             *retouch_mode_named(a.mode), on.layer, a.options, progress);
+    const RetouchViews views = retouch_views(diffuse_in(on.canvas, on.canvas.region()), on.mask, report);
+
+    nlohmann::json result = result_of(a, on, box, report, views);
+    if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
+    add_poor(a.options.match.illuminants, report, result);
     if (!a.preview.empty()) {
-        const bool linear = lower_extension(a.preview) == ".exr";
-        told_of(preview.emplace(a.preview).temporary(), a.preview, [&] {
-            write_picture(preview->temporary(),
-                          seen_from(views.retouched, canvas.mm_per_pixel(), a.distance_m),
-                          linear ? Transfer{} : Transfer{Transfer::Kind::srgb}, {.bits = 8});
-        });
-        set.add(*preview);
+        write_preview(a, views.retouched, on.canvas.mm_per_pixel(), files);
         result["preview"] = {{"picture", a.preview}, {"distance_m", a.distance_m}};
     }
-    if (treatment) {
-        nlohmann::json parameters = parameters_of(*retouch_mode_named(a.mode), a.options);
-        parameters["area"] = a.area.as_json();
-        parameters["palette"] = box.palette.name, parameters["avoid_pairs"] = a.box.avoid_pairs;
-        if (report.marks > 0) parameters["viewing"] = to_json(a.viewing);
-        TreatmentStep step;
-        step.action = proposal ? "propose" : "retouch";
-        step.parameters = parameters, step.results = result;
-        step.masks = {{layer, mask}};
-        step.canvas = &canvas, step.added = {{layer, LayerRole::retouch}};
-        step.inputs = a.box.inputs();
-        for (const fs::path& file : a.area.inputs()) step.inputs.push_back(file);
-        if (!a.damaged.empty()) step.inputs.emplace_back(a.damaged);
-        step.elsewhere = [&] { set.commit(); };
-        treatment->record(step, a.author.author(), progress);
+    if (on.treatment) {
+        record(a, on, result, box, files, progress);
         result["treatment"] = a.treatment;
     } else {
-        fill_canvas(*out, canvas, progress, parts_beside_paint(a.painting, progress));
-        set.add(*out);
-        set.commit();
+        fill_canvas(*files.painting, on.canvas, progress, parts_beside_paint(a.painting, progress));
+        files.set.add(*files.painting);
+        files.set.commit();
         result["painting"] = a.out;
     }
     return result;
