@@ -233,6 +233,109 @@ double judged(const Features& f, const cv::Mat& inside, float level_mm, const Lo
            rising(static_cast<double>(broken) / rim / 0.6, 0.2) * rising(look, 0.25);
 }
 
+// The coarse search over the whole painting.
+struct LossSearch {
+    const Surface& surface;
+    const LossOptions& options;
+    double mm_per_pixel, unit_mm;  // the second: of a mm of the surface, which may be a pixel
+    int block;                     // pixels that are one here
+    cv::Mat score{};               // [robust spreads] of being lower and of another look
+    cv::Mat level_mm{};            // of most of the paint around
+};
+
+cv::Mat score_of(const Features& few, double depth_mm, const Progress& progress) {
+    cv::Mat score = cv::Mat::zeros(few.height_mm.size(), CV_32F);
+    const int side = std::min(few.height_mm.cols, few.height_mm.rows);
+    for (const double part : {0.06, 0.12, 0.2}) {
+        score = cv::max(score, evidence(few, static_cast<int>(part * side) + 2, depth_mm));
+        report(progress, "look for losses", 0.2 + part);
+    }
+    return score;
+}
+
+// A candidate's surroundings, at full resolution where they are not too large.
+struct CloseUp {
+    Region part;  // of the painting
+    int block;    // pixels that are one here
+    Features features;
+    cv::Mat score, level_mm;  // of the search, at the middles of the blocks
+};
+
+// `own`: the search's score of this candidate alone, which lies in `box`.
+CloseUp close_up(const LossSearch& search, const cv::Mat& own, const cv::Rect& box) {
+    const int block = search.block;
+    const int margin = std::max(8, std::max(box.width, box.height) / 2);
+    CloseUp near;
+    near.part = {std::max((box.x - margin) * block, 0), std::max((box.y - margin) * block, 0),
+                 std::min((box.x + box.width + margin) * block, search.surface.width()),
+                 std::min((box.y + box.height + margin) * block, search.surface.height())};
+    near.block = block_for(near.part, kCutSide_px);
+    near.features = features_of(search.surface, near.part, search.unit_mm, near.block);
+    const cv::Size size = near.features.height_mm.size();
+    near.score = cv::Mat(size, CV_32F), near.level_mm = cv::Mat(size, CV_32F);
+    for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
+            const int u = near.part.x0 + x * near.block + near.block / 2,
+                      v = near.part.y0 + y * near.block + near.block / 2;
+            near.score.at<float>(y, x) = at_pixel(own, u, v, block);
+            near.level_mm.at<float>(y, x) = at_pixel(search.level_mm, u, v, block);
+        }
+    return near;
+}
+
+// [mm] The level of the paint around, in the middle of what lies inside.
+float level_in(const cv::Mat& level_mm, const cv::Mat& inside) {
+    std::vector<float> levels;
+    for (int y = 0; y < inside.rows; ++y)
+        for (int x = 0; x < inside.cols; ++x)
+            if (inside.at<unsigned char>(y, x)) levels.push_back(level_mm.at<float>(y, x));
+    return median(std::move(levels));
+}
+
+// Says how sure one piece of a candidate is, and takes it where that is enough.
+void judge_piece(const CloseUp& near, const cv::Mat& inside, const LossOptions& options,
+                 DamageSuggestion& suggestion) {
+    cv::Mat coverage;
+    inside.convertTo(coverage, CV_32F, 1.0 / 255);
+    const double sure = judged(near.features, inside, level_in(near.level_mm, inside), options);
+    for (int y = 0; y < near.part.height(); ++y)
+        for (int x = 0; x < near.part.width(); ++x) {
+            if (at_pixel(coverage, x, y, near.block) < 0.5f) continue;
+            float& confidence = suggestion.confidence(near.part.x0 + x, near.part.y0 + y);
+            confidence = std::max(confidence, static_cast<float>(sure));
+            if (sure >= options.confidence) suggestion.mask(near.part.x0 + x, near.part.y0 + y) = 1;
+        }
+}
+
+void judge_candidate(const LossSearch& search, const CloseUp& near, DamageSuggestion& suggestion) {
+    cv::Mat pieces, stats, centres;
+    const cv::Mat cut = cut_out(near.features, near.score);
+    const int count = cv::connectedComponentsWithStats(cut, pieces, stats, centres, 8, CV_32S);
+    for (int piece = 1; piece < count; ++piece) {
+        const double pixels =
+            static_cast<double>(stats.at<int>(piece, cv::CC_STAT_AREA)) * near.block * near.block;
+        if (pixels * search.mm_per_pixel * search.mm_per_pixel < search.options.smallest_mm2 || pixels < 9)
+            continue;
+        judge_piece(near, pieces == piece, search.options, suggestion);
+    }
+}
+
+// Candidates by hysteresis.
+void judge_candidates(const LossSearch& search, DamageSuggestion& suggestion, const Progress& progress) {
+    cv::Mat numbers, stats, centres;
+    const int count =
+        cv::connectedComponentsWithStats(search.score > kExtent, numbers, stats, centres, 8, CV_32S);
+    for (int i = 1; i < count; ++i) {
+        report(progress, "look for losses", 0.5 + 0.5 * i / count);
+        const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                           stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
+        cv::Mat own = cv::Mat::zeros(search.score.size(), CV_32F);
+        search.score.copyTo(own, numbers == i);
+        if (cv::countNonZero(own(box) > kSeed) < 2) continue;
+        judge_candidate(search, close_up(search, own, box), suggestion);
+    }
+}
+
 }  // namespace
 
 DamageSuggestion suggest_loss(const Surface& surface, double mm_per_pixel, const LossOptions& options,
@@ -242,73 +345,18 @@ DamageSuggestion suggest_loss(const Surface& surface, double mm_per_pixel, const
     const int width = surface.width(), height = surface.height();
     DamageSuggestion suggestion{Mask(width, height), Image<float>(width, height)};
     if (width < 16 || height < 16) return suggestion;
-    const double unit_mm = mm_per_pixel / surface.mm_per_pixel;
-    const Region whole = surface.height_mm.region();
-    const int block = block_for(whole, kSearchSide_px);
+    LossSearch search{surface, options, mm_per_pixel, mm_per_pixel / surface.mm_per_pixel,
+                      block_for(surface.height_mm.region(), kSearchSide_px)};
     report(progress, "look for losses", 0);
-    const Features few = features_of(surface, whole, unit_mm, block);
-
-    cv::Mat score = cv::Mat::zeros(few.height_mm.size(), CV_32F);
-    const int side = std::min(few.height_mm.cols, few.height_mm.rows);
-    for (const double part : {0.06, 0.12, 0.2}) {
-        score = cv::max(score, evidence(few, static_cast<int>(part * side) + 2, options.depth_mm));
-        report(progress, "look for losses", 0.2 + part);
-    }
-    const cv::Mat level = paint_level(few.height_mm);
+    const Features few = features_of(surface, surface.height_mm.region(), search.unit_mm, search.block);
+    search.score = score_of(few, options.depth_mm, progress);
+    search.level_mm = paint_level(few.height_mm);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const float s = at_pixel(score, x, y, block);
+            const float s = at_pixel(search.score, x, y, search.block);
             suggestion.confidence(x, y) = 0.5f * s * s / (s * s + kSeed * kSeed);  // nobody has judged it yet
         }
-
-    // Candidates by hysteresis, cut out at full resolution where they are not too large.
-    cv::Mat numbers, stats, centres;
-    const int count = cv::connectedComponentsWithStats(score > kExtent, numbers, stats, centres, 8, CV_32S);
-    for (int i = 1; i < count; ++i) {
-        report(progress, "look for losses", 0.5 + 0.5 * i / count);
-        const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
-                           stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
-        cv::Mat own = cv::Mat::zeros(score.size(), CV_32F);
-        score.copyTo(own, numbers == i);
-        if (cv::countNonZero(own(box) > kSeed) < 2) continue;
-        const int margin = std::max(8, std::max(box.width, box.height) / 2);
-        const Region part{std::max((box.x - margin) * block, 0), std::max((box.y - margin) * block, 0),
-                          std::min((box.x + box.width + margin) * block, width),
-                          std::min((box.y + box.height + margin) * block, height)};
-        const int fine = block_for(part, kCutSide_px);
-        const Features near = features_of(surface, part, unit_mm, fine);
-        // Of the search, at the middles of the cut's blocks.
-        cv::Mat near_score(near.height_mm.size(), CV_32F), near_level(near.height_mm.size(), CV_32F);
-        for (int y = 0; y < near_score.rows; ++y)
-            for (int x = 0; x < near_score.cols; ++x) {
-                const int u = part.x0 + x * fine + fine / 2, v = part.y0 + y * fine + fine / 2;
-                near_score.at<float>(y, x) = at_pixel(own, u, v, block);
-                near_level.at<float>(y, x) = at_pixel(level, u, v, block);
-            }
-        const cv::Mat cut = cut_out(near, near_score);
-        cv::Mat pieces, piece_stats, piece_centres;
-        const int n = cv::connectedComponentsWithStats(cut, pieces, piece_stats, piece_centres, 8, CV_32S);
-        for (int piece = 1; piece < n; ++piece) {
-            const double pixels =
-                static_cast<double>(piece_stats.at<int>(piece, cv::CC_STAT_AREA)) * fine * fine;
-            if (pixels * mm_per_pixel * mm_per_pixel < options.smallest_mm2 || pixels < 9) continue;
-            const cv::Mat inside = pieces == piece;
-            std::vector<float> levels;
-            cv::Mat coverage;
-            inside.convertTo(coverage, CV_32F, 1.0 / 255);
-            for (int y = 0; y < inside.rows; ++y)
-                for (int x = 0; x < inside.cols; ++x)
-                    if (inside.at<unsigned char>(y, x)) levels.push_back(near_level.at<float>(y, x));
-            const double sure = judged(near, inside, median(std::move(levels)), options);
-            for (int y = 0; y < part.height(); ++y)
-                for (int x = 0; x < part.width(); ++x) {
-                    if (at_pixel(coverage, x, y, fine) < 0.5f) continue;
-                    float& confidence = suggestion.confidence(part.x0 + x, part.y0 + y);
-                    confidence = std::max(confidence, static_cast<float>(sure));
-                    if (sure >= options.confidence) suggestion.mask(part.x0 + x, part.y0 + y) = 1;
-                }
-        }
-    }
+    judge_candidates(search, suggestion, progress);
     report(progress, "look for losses", 1);
     return suggestion;
 }
