@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "retouch/damage/damage_suggestion.h"
 #include "retouch/damage/local_deviation.h"
@@ -59,6 +60,73 @@ float median_in(const cv::Mat& values, const cv::Mat& inside) {
     return median(std::move(some));
 }
 
+// The search, in a copy of the painting.
+struct GlossSearch {
+    GlossMaps gloss;
+    double factor;     // the copy's size over the painting's
+    double pixel_mm2;  // of the copy
+    const GlossOptions& options;
+};
+
+// A patch against a ring around it; nothing where it fades out, or alpha says the contrary.
+std::optional<GlossPatch> patch_of(const GlossSearch& search, const cv::Mat& inside, bool glossier) {
+    cv::Mat grown;
+    cv::dilate(inside, grown, disc(8));
+    const cv::Mat ring = grown & ~inside;
+    const auto ratio = [&](const cv::Mat& values) {
+        return std::exp(static_cast<double>(median_in(values, inside) - median_in(values, ring)));
+    };
+    GlossPatch patch;
+    patch.glossier = glossier;
+    patch.roughness_ratio = ratio(search.gloss.roughness);
+    patch.specular_ratio = ratio(search.gloss.specular);
+    const double against_rim =
+        glossier ? 1 / patch.roughness_ratio : std::max(patch.roughness_ratio, 1 / patch.specular_ratio);
+    if (against_rim < std::sqrt(search.options.contrast)) return {};
+    if (!glossier && patch.roughness_ratio < 0.9) return {};
+    return patch;
+}
+
+// CV_8U, 255 where patches are, which are added to `found`.
+cv::Mat patches_in(const GlossSearch& search, const cv::Mat& strength, bool glossier,
+                   std::vector<GlossPatch>& found) {
+    cv::Mat patches;
+    cv::morphologyEx(strength > 1, patches, cv::MORPH_CLOSE, disc(3));
+    cv::morphologyEx(patches.clone(), patches, cv::MORPH_OPEN, disc(3));  // strokes and cracks go
+    cv::Mat numbers, stats, centres;
+    const int count = cv::connectedComponentsWithStats(patches, numbers, stats, centres, 8, CV_32S);
+    cv::Mat kept = cv::Mat::zeros(patches.size(), CV_8U);
+    for (int i = 1; i < count; ++i) {
+        const double mm2 = stats.at<int>(i, cv::CC_STAT_AREA) * search.pixel_mm2;
+        if (mm2 < search.options.smallest_patch_mm2) continue;
+        const cv::Mat inside = numbers == i;
+        std::optional<GlossPatch> patch = patch_of(search, inside, glossier);
+        if (!patch) continue;
+        const auto to_full = [&](int v) { return static_cast<int>(std::lround(v / search.factor)); };
+        const int x = stats.at<int>(i, cv::CC_STAT_LEFT), y = stats.at<int>(i, cv::CC_STAT_TOP);
+        patch->area_mm2 = mm2;
+        patch->box = {to_full(x), to_full(y), to_full(x + stats.at<int>(i, cv::CC_STAT_WIDTH)),
+                      to_full(y + stats.at<int>(i, cv::CC_STAT_HEIGHT))};
+        found.push_back(*patch);
+        kept.setTo(255, inside);
+    }
+    return kept;
+}
+
+// At the painting's size.
+void show(const cv::Mat& kept, const cv::Mat& strength, DamageSuggestion& suggestion) {
+    const int width = suggestion.mask.width(), height = suggestion.mask.height();
+    cv::Mat full, confidence;
+    cv::resize(kept, full, {width, height}, 0, 0, cv::INTER_LINEAR);
+    cv::resize(strength, confidence, {width, height}, 0, 0, cv::INTER_LINEAR);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            suggestion.mask(x, y) = full.at<unsigned char>(y, x) >= 128 ? 1.0f : 0.0f;
+            const float s = std::max(confidence.at<float>(y, x), 0.0f);
+            suggestion.confidence(x, y) = s * s / (s * s + 1);
+        }
+}
+
 }  // namespace
 
 GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const GlossOptions& options,
@@ -72,55 +140,16 @@ GlossSuggestion suggest_gloss(const Surface& surface, double mm_per_pixel, const
     if (width < 32 || height < 32) return result;
     report(progress, "compare gloss", 0);
     const double factor = std::min(1.0, kGlossSide_px / static_cast<double>(std::max(width, height)));
-    const GlossMaps gloss = gloss_of(surface, factor);
-    const int side = std::min(gloss.roughness.cols, gloss.roughness.rows);
+    const GlossSearch search{gloss_of(surface, factor), factor,
+                             mm_per_pixel * mm_per_pixel / (factor * factor), options};
+    const int side = std::min(search.gloss.roughness.cols, search.gloss.roughness.rows);
     const auto wanted = static_cast<float>(std::log(options.contrast));
-    const Contrast contrast = contrast_of(gloss, std::max(static_cast<int>(0.3 * side), 8), wanted);
+    const Contrast contrast = contrast_of(search.gloss, std::max(static_cast<int>(0.3 * side), 8), wanted);
     report(progress, "compare gloss", 0.6);
-    const double pixel_mm2 = mm_per_pixel * mm_per_pixel / (factor * factor);
-
     for (const bool glossier : {true, false}) {
-        DamageSuggestion& suggestion = glossier ? result.glossier : result.matter;
         const cv::Mat strength = (glossier ? contrast.glossier : contrast.matter) / wanted;
-        cv::Mat patches, full, confidence;
-        cv::morphologyEx(strength > 1, patches, cv::MORPH_CLOSE, disc(3));
-        cv::morphologyEx(patches.clone(), patches, cv::MORPH_OPEN, disc(3));  // strokes and cracks go
-        cv::Mat numbers, stats, centres;
-        const int count = cv::connectedComponentsWithStats(patches, numbers, stats, centres, 8, CV_32S);
-        cv::Mat kept = cv::Mat::zeros(patches.size(), CV_8U);
-        for (int i = 1; i < count; ++i) {
-            const double mm2 = stats.at<int>(i, cv::CC_STAT_AREA) * pixel_mm2;
-            if (mm2 < options.smallest_patch_mm2) continue;
-            const cv::Mat inside = numbers == i;
-            cv::Mat grown;
-            cv::dilate(inside, grown, disc(8));
-            const cv::Mat ring = grown & ~inside;
-            GlossPatch patch;
-            patch.glossier = glossier;
-            patch.area_mm2 = mm2;
-            patch.roughness_ratio = std::exp(
-                static_cast<double>(median_in(gloss.roughness, inside) - median_in(gloss.roughness, ring)));
-            patch.specular_ratio = std::exp(
-                static_cast<double>(median_in(gloss.specular, inside) - median_in(gloss.specular, ring)));
-            const double against_rim = glossier ? 1 / patch.roughness_ratio
-                                                : std::max(patch.roughness_ratio, 1 / patch.specular_ratio);
-            if (against_rim < std::sqrt(options.contrast)) continue;  // it fades out: no patch
-            if (!glossier && patch.roughness_ratio < 0.9) continue;   // alpha says the contrary
-            const auto to_full = [&](int v) { return static_cast<int>(std::lround(v / factor)); };
-            const int x = stats.at<int>(i, cv::CC_STAT_LEFT), y = stats.at<int>(i, cv::CC_STAT_TOP);
-            patch.box = {to_full(x), to_full(y), to_full(x + stats.at<int>(i, cv::CC_STAT_WIDTH)),
-                         to_full(y + stats.at<int>(i, cv::CC_STAT_HEIGHT))};
-            result.patches.push_back(patch);
-            kept.setTo(255, inside);
-        }
-        cv::resize(kept, full, {width, height}, 0, 0, cv::INTER_LINEAR);
-        cv::resize(strength, confidence, {width, height}, 0, 0, cv::INTER_LINEAR);
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
-                suggestion.mask(x, y) = full.at<unsigned char>(y, x) >= 128 ? 1.0f : 0.0f;
-                const float s = std::max(confidence.at<float>(y, x), 0.0f);
-                suggestion.confidence(x, y) = s * s / (s * s + 1);
-            }
+        const cv::Mat kept = patches_in(search, strength, glossier, result.patches);
+        show(kept, strength, glossier ? result.glossier : result.matter);
     }
     report(progress, "compare gloss", 1);
     return result;
