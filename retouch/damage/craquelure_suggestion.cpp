@@ -133,6 +133,53 @@ float scale_of(const Image<float>& contrast, float least) {
     return std::max(*p90, least);
 }
 
+// The contrasts of lines over the whole painting.
+struct LineMaps {
+    Image<float> dark, low, matt;
+};
+
+// Tile by tile: memory is that of a row of tiles.
+LineMaps line_maps_of(const Surface& surface, const std::vector<double>& sigmas, float unit_mm,
+                      const Progress& progress) {
+    const int width = surface.width(), height = surface.height();
+    LineMaps maps{Image<float>(width, height), Image<float>(width, height), Image<float>(width, height)};
+    const int columns = (width + kTile_px - 1) / kTile_px, rows = (height + kTile_px - 1) / kTile_px;
+    for (int row = 0; row < rows; ++row) {
+        report(progress, "look for cracks", 0.8 * row / rows);
+        parallel_for(0, columns, 1, [&](int begin, int end) {
+            for (int column = begin; column < end; ++column) {
+                const Region inner{column * kTile_px, row * kTile_px,
+                                   std::min((column + 1) * kTile_px, width),
+                                   std::min((row + 1) * kTile_px, height)};
+                const Region wide{std::max(inner.x0 - kMargin_px, 0), std::max(inner.y0 - kMargin_px, 0),
+                                  std::min(inner.x1 + kMargin_px, width),
+                                  std::min(inner.y1 + kMargin_px, height)};
+                const Contrasts c = contrasts_of(maps_of(surface, wide, unit_mm), sigmas);
+                copy_inner(c.darkness, wide, inner, maps.dark);
+                copy_inner(c.height_mm, wide, inner, maps.low);
+                copy_inner(c.gloss, wide, inner, maps.matt);
+            }
+        });
+    }
+    return maps;
+}
+
+// [scales of the contrast] Darkness leads; height and gloss support it.
+void add_score(const LineMaps& maps, const Surface& surface, float sensitivity, Image<float>& score) {
+    // However lively the painting, a line that is darker than both sides by a fifth counts.
+    const float dark_scale = std::min(scale_of(maps.dark, 0.05f), 0.2f),
+                low_scale = scale_of(maps.low, 1e-4f), matt_scale = scale_of(maps.matt, 0.1f);
+    for (int y = 0; y < score.height(); ++y)
+        for (int x = 0; x < score.width(); ++x) {
+            // Cracks are often fitted badly: only what was not seen at all is left out.
+            if (surface.confidence(x, y) == 0 && surface.diffuse(x, y) == Rgb(0)) continue;
+            const float support = 0.5f * std::min(maps.low(x, y) / low_scale, 3.0f) +
+                                  0.5f * std::min(maps.matt(x, y) / matt_scale, 3.0f);
+            const float d = maps.dark(x, y) / dark_scale;
+            score(x, y) = sensitivity * d * (0.6f + 0.4f * support);
+        }
+}
+
 float mix(float a, float b, float t) { return a + (b - a) * t; }
 
 // [1] How much a pixel lies in a network of cracks, 0..1: by the length of sure lines within some mm.
@@ -207,40 +254,10 @@ CraquelureSuggestion suggest_craquelure(const Surface& surface, double mm_per_pi
     const double widest_px = std::clamp(options.widest_mm / mm_per_pixel, 1.5, 24.0);
     std::vector<double> sigmas;
     for (double sigma = 0.7; sigma <= std::max(widest_px / 2.5, 0.8); sigma *= 1.5) sigmas.push_back(sigma);
-
-    Image<float> dark(width, height), low(width, height), matt(width, height);
-    const int columns = (width + kTile_px - 1) / kTile_px, rows = (height + kTile_px - 1) / kTile_px;
     const auto unit_mm = static_cast<float>(mm_per_pixel / surface.mm_per_pixel);
-    for (int row = 0; row < rows; ++row) {
-        report(progress, "look for cracks", 0.8 * row / rows);
-        parallel_for(0, columns, 1, [&](int begin, int end) {
-            for (int column = begin; column < end; ++column) {
-                const Region inner{column * kTile_px, row * kTile_px,
-                                   std::min((column + 1) * kTile_px, width),
-                                   std::min((row + 1) * kTile_px, height)};
-                const Region wide{std::max(inner.x0 - kMargin_px, 0), std::max(inner.y0 - kMargin_px, 0),
-                                  std::min(inner.x1 + kMargin_px, width),
-                                  std::min(inner.y1 + kMargin_px, height)};
-                const Contrasts c = contrasts_of(maps_of(surface, wide, unit_mm), sigmas);
-                copy_inner(c.darkness, wide, inner, dark);
-                copy_inner(c.height_mm, wide, inner, low);
-                copy_inner(c.gloss, wide, inner, matt);
-            }
-        });
-    }
-    // However lively the painting, a line that is darker than both sides by a fifth counts.
-    const float dark_scale = std::min(scale_of(dark, 0.05f), 0.2f), low_scale = scale_of(low, 1e-4f),
-                matt_scale = scale_of(matt, 0.1f);
     Image<float>& score = suggestion.confidence;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            // Cracks are often fitted badly: only what was not seen at all is left out.
-            if (surface.confidence(x, y) == 0 && surface.diffuse(x, y) == Rgb(0)) continue;
-            const float support =
-                0.5f * std::min(low(x, y) / low_scale, 3.0f) + 0.5f * std::min(matt(x, y) / matt_scale, 3.0f);
-            const float d = dark(x, y) / dark_scale;
-            score(x, y) = static_cast<float>(options.sensitivity) * d * (0.6f + 0.4f * support);
-        }
+    add_score(line_maps_of(surface, sigmas, unit_mm, progress), surface,
+              static_cast<float>(options.sensitivity), score);
 
     report(progress, "look for cracks", 0.85);
     const Image<float> network = network_of(score, mm_per_pixel);
