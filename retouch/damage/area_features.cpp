@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "retouch/damage/local_deviation.h"
 #include "surface/base/median.h"
@@ -196,52 +197,96 @@ float within_paint(const AreaFeatures& f, float gloss_step) {
     return std::exp(-gloss_step * gloss_step / (f.gloss_noise * f.gloss_noise));
 }
 
+namespace {
+
+// What lies on both sides of an area's rim.
+class AreaRim {
+public:
+    AreaRim(const AreaFeatures& f, const Area& area, int away)
+        : f_(f), inside_(area.inside), measured_(f.measured(area.box)), away_(away) {
+        for (std::size_t c = 0; c < kCues; ++c) maps_[c] = f.maps[c](area.box);
+        cv::distanceTransform(inside_, in_, cv::DIST_L2, 5);
+        cv::distanceTransform(inside_ == 0, out_, cv::DIST_L2, 5);
+    }
+
+    bool is_rim(int x, int y) const { return in_.at<float>(y, x) > 0 && in_.at<float>(y, x) < 1.5f; }
+
+    // Pixels across the rim: as far inside as outside of it, and three times as far outside.
+    struct Across {
+        cv::Point inside, outside, far;
+        cv::Point rim;
+        float gx = 0, gy = 0, length = 0;  // inwards
+        cv::Point along(int d) const {
+            return {rim.x + static_cast<int>(std::lround(static_cast<float>(d) * gx / length)),
+                    rim.y + static_cast<int>(std::lround(static_cast<float>(d) * gy / length))};
+        }
+    };
+    // Nothing where one of them was not measured, or lies on the other side.
+    std::optional<Across> across(int x, int y) const {
+        Across a;
+        a.rim = {x, y};
+        a.gx = distance(x + 2, y) - distance(x - 2, y);
+        a.gy = distance(x, y + 2) - distance(x, y - 2);
+        a.length = std::hypot(a.gx, a.gy);
+        if (!(a.length > 0)) return {};
+        a.inside = a.along(away_), a.outside = a.along(-away_), a.far = a.along(-3 * away_);
+        if (!good(a.inside, true) || !good(a.outside, false) || !good(a.far, false)) return {};
+        return a;
+    }
+
+    // No edge between two paints lies there.
+    bool is_one_paint(const Across& a) const {
+        bool one_paint = true;
+        for (int d = -away_; one_paint && d <= away_; ++d) {
+            const auto step = [&](Cue cue) {
+                const cv::Mat& m = maps_[static_cast<std::size_t>(cue)];
+                return m.at<float>(a.along(d)) - m.at<float>(a.outside);
+            };
+            one_paint = within_paint(f_, std::hypot(step(Cue::roughness), step(Cue::specular))) > 0.4f;
+        }
+        return one_paint;
+    }
+
+    double value(std::size_t cue, const cv::Point& p) const {
+        return static_cast<double>(maps_[cue].at<float>(p));
+    }
+
+private:
+    // [blocks] to the rim, above 0 inside.
+    float distance(int x, int y) const {
+        const cv::Point p(std::clamp(x, 0, inside_.cols - 1), std::clamp(y, 0, inside_.rows - 1));
+        return in_.at<float>(p) - out_.at<float>(p);
+    }
+    bool good(const cv::Point& p, bool within) const {
+        return cv::Rect(0, 0, inside_.cols, inside_.rows).contains(p) &&
+               (inside_.at<unsigned char>(p) != 0) == within && measured_.at<unsigned char>(p) != 0;
+    }
+
+    const AreaFeatures& f_;
+    const cv::Mat& inside_;
+    const cv::Mat measured_;
+    std::array<cv::Mat, kCues> maps_;
+    cv::Mat in_, out_;
+    int away_;  // [blocks] from the rim
+};
+
+}  // namespace
+
 Rim rim_of(const AreaFeatures& f, const Area& area, int away, Compared which) {
-    const cv::Mat& inside = area.inside;
-    const cv::Mat measured = f.measured(area.box);
-    std::array<cv::Mat, kCues> maps;
-    for (std::size_t c = 0; c < kCues; ++c) maps[c] = f.maps[c](area.box);
-    cv::Mat in, out;
-    cv::distanceTransform(inside, in, cv::DIST_L2, 5);
-    cv::distanceTransform(inside == 0, out, cv::DIST_L2, 5);
-    const cv::Rect picture(0, 0, inside.cols, inside.rows);
+    const AreaRim at(f, area, away);
     std::array<std::vector<double>, kCues> ins, outs, fars;
     int all = 0;
-    for (int y = 0; y < inside.rows; ++y)
-        for (int x = 0; x < inside.cols; ++x) {
-            if (!(in.at<float>(y, x) > 0 && in.at<float>(y, x) < 1.5f)) continue;
+    for (int y = 0; y < area.inside.rows; ++y)
+        for (int x = 0; x < area.inside.cols; ++x) {
+            if (!at.is_rim(x, y)) continue;
             ++all;
-            const auto distance = [&](int dx, int dy) {
-                const cv::Point p(std::clamp(x + dx, 0, inside.cols - 1),
-                                  std::clamp(y + dy, 0, inside.rows - 1));
-                return in.at<float>(p) - out.at<float>(p);
-            };
-            const float gx = distance(2, 0) - distance(-2, 0), gy = distance(0, 2) - distance(0, -2);
-            const float length = std::hypot(gx, gy);
-            if (!(length > 0)) continue;
-            const auto along = [&](int d) {
-                return cv::Point(x + static_cast<int>(std::lround(static_cast<float>(d) * gx / length)),
-                                 y + static_cast<int>(std::lround(static_cast<float>(d) * gy / length)));
-            };
-            const cv::Point i = along(away), o = along(-away), far = along(-3 * away);
-            const auto good = [&](const cv::Point& p, bool within) {
-                return picture.contains(p) && (inside.at<unsigned char>(p) != 0) == within &&
-                       measured.at<unsigned char>(p) != 0;
-            };
-            if (!good(i, true) || !good(o, false) || !good(far, false)) continue;
-            bool one_paint = true;
-            for (int d = -away; which == Compared::within_paint && one_paint && d <= away; ++d) {
-                const auto step = [&](Cue cue) {
-                    const cv::Mat& m = maps[static_cast<std::size_t>(cue)];
-                    return m.at<float>(along(d)) - m.at<float>(o);
-                };
-                one_paint = within_paint(f, std::hypot(step(Cue::roughness), step(Cue::specular))) > 0.4f;
-            }
-            if (!one_paint) continue;
+            const std::optional<AreaRim::Across> across = at.across(x, y);
+            if (!across) continue;
+            if (which == Compared::within_paint && !at.is_one_paint(*across)) continue;
             for (std::size_t c = 0; c < kCues; ++c) {
-                ins[c].push_back(static_cast<double>(maps[c].at<float>(i)));
-                outs[c].push_back(static_cast<double>(maps[c].at<float>(o)));
-                fars[c].push_back(static_cast<double>(maps[c].at<float>(far)));
+                ins[c].push_back(at.value(c, across->inside));
+                outs[c].push_back(at.value(c, across->outside));
+                fars[c].push_back(at.value(c, across->far));
             }
         }
     Rim rim;
