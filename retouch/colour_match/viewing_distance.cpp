@@ -199,7 +199,7 @@ double visible_contrast(const Image<Rgb>& pattern, const Image<Rgb>& mean, const
 }
 
 Fusion fusion_of(const Image<Rgb>& retouched, const Image<Rgb>& target, const Mask& mask, double pitch_px,
-                 double mm_per_pixel, const ViewingOptions& options, double farthest_m) {
+                 double mm_per_pixel, const ViewingOptions& options) {
     TP_REQUIRE(retouched.region() == mask.region() && target.region() == mask.region(), "of the same size");
     const Image<Rgb> mean = means_over(retouched, mask, pitch_px);
     // Near the border, means are of half a pattern: what is seen of it there does not count.
@@ -214,7 +214,7 @@ Fusion fusion_of(const Image<Rgb>& retouched, const Image<Rgb>& target, const Ma
     Fusion fusion;
     // Sensitivity falls with frequency only beyond its peak: coming from afar, the first distance where the
     // pattern is seen counts.
-    double far = farthest_m;
+    double far = kFarthest_m;
     fusion.fuses = seen(far) < 1;
     double near = far;
     while (fusion.fuses && near > kNearest_m) {

@@ -42,9 +42,11 @@ Image<Rgb> shown_from(const Image<Rgb>& linear, double mm_per_pixel, double dist
 double visible_contrast(const Image<Rgb>& pattern, const Image<Rgb>& mean, const Mask& mask,
                         double mm_per_pixel, double distance_m, const ViewingOptions& options = {});
 
+constexpr double kFarthest_m = 30;  // that anybody looks at a painting from
+
 struct Fusion {
-    double distance_m = 0;  // from which on the pattern is not seen: between 0.1 and `farthest_m`
-    bool fuses = false;     // false: it is seen from `farthest_m` still
+    double distance_m = 0;  // from which on the pattern is not seen: between 0.1 and kFarthest_m
+    bool fuses = false;     // false: it is seen from kFarthest_m still
     double delta_e_near = 0,
            delta_e_fused = 0;  // mean CIEDE2000 from the target: at 0.3 m, and where it fuses
 };
@@ -53,6 +55,6 @@ struct Fusion {
 // picture with it, `target` what it should look like; both linear Rec. 709, equal outside of the mask. The
 // pattern is what is left of the retouch without its means over `pitch_px`.
 Fusion fusion_of(const Image<Rgb>& retouched, const Image<Rgb>& target, const Mask& mask, double pitch_px,
-                 double mm_per_pixel, const ViewingOptions& options = {}, double farthest_m = 30);
+                 double mm_per_pixel, const ViewingOptions& options = {});
 
 }  // namespace tangi
