@@ -39,14 +39,18 @@ std::vector<SubsetFit> best_of(const std::vector<double>& gram, int n) {
     return fits;
 }
 
-}  // namespace
+// What may lie side by side, and what it is to look like.
+struct Offer {
+    std::span<const Spectrum> looks;
+    const Spectrum& target;
+    std::span<const Illuminant> illuminants;
+    const Spectrum& bare;
+    float painted;  // [1] of the area; the rest stays bare
+};
 
-Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
-                        std::span<const Illuminant> illuminants, const Spectrum& bare, double bare_share) {
-    TP_REQUIRE(!looks.empty() && !illuminants.empty(), "looks and illuminants");
-    TP_REQUIRE(bare_share >= 0 && bare_share < 1, "a part of the area is painted");
-    const auto painted = static_cast<float>(1 - bare_share);
-    // Columns: what each look alone would be off by, in colour, linearised at the target.
+// What each look alone would be off by, in colour under each illuminant, linearised at the target.
+std::vector<std::vector<double>> columns_of(const Offer& offer) {
+    const auto& [looks, target, illuminants, bare, painted] = offer;
     std::vector<std::vector<double>> columns(looks.size());
     for (const Illuminant illuminant : illuminants) {
         const Lab there = lab_under(target, illuminant);
@@ -64,8 +68,11 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
             for (int i = 0; i < 3; ++i) columns[k].push_back(off[i]);
         }
     }
-    // How far each look is from the target: as shares sum to 1, a sum of shares times numbers is a quadratic
-    // form too, and so is a constant, which keeps the matrix positive definite.
+    return columns;
+}
+
+// How far each look is from the target.
+std::vector<double> apart_from(const Spectrum& target, std::span<const Spectrum> looks) {
     const Lab wanted = lab_under(target);
     std::vector<double> apart;
     for (const Spectrum& look : looks) {
@@ -74,8 +81,15 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
                              kColourPart * (lab.b - wanted.b));
         apart.push_back(kContrastPart * glm::dot(off, off));
     }
+    return apart;
+}
+
+// As shares sum to 1, a sum of shares times numbers is a quadratic form too, and so is a constant, which
+// keeps the matrix positive definite.
+std::vector<double> gram_of(const std::vector<std::vector<double>>& columns,
+                            const std::vector<double>& apart) {
     const double constant = 2 * *std::max_element(apart.begin(), apart.end()) + 1;
-    const auto n = looks.size();
+    const auto n = columns.size();
     std::vector<double> gram(n * n);
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n; ++j) {
@@ -83,10 +97,16 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
             for (std::size_t r = 0; r < columns[i].size(); ++r)
                 gram[i * n + j] += columns[i][r] * columns[j][r];
         }
-    const auto fits = best_of(gram, static_cast<int>(n));
-    TP_REQUIRE(!fits.empty(), "each look alone is a set");
+    return gram;
+}
+
+// The set whose mean is nearest to the target, by CIEDE2000 itself, and whose looks differ from it least.
+Juxtaposition exact_best(const Offer& offer, const std::vector<SubsetFit>& fits,
+                         const std::vector<double>& apart) {
+    const auto& [looks, target, illuminants, bare, painted] = offer;
     const SubsetFit* best = nullptr;
-    double least = 1e300, delta_e = 0;
+    double least = 1e300;
+    Juxtaposition result;
     for (const SubsetFit& fit : fits) {
         Spectrum mean;
         for (std::size_t band = 0; band < kBands; ++band) mean[band] = (1 - painted) * bare[band];
@@ -99,15 +119,27 @@ Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
         }
         for (const Illuminant illuminant : illuminants)
             worst = std::max(worst, delta_e_2000(lab_under(mean, illuminant), lab_under(target, illuminant)));
-        if (worst * worst + contrast < least) least = worst * worst + contrast, best = &fit, delta_e = worst;
+        if (worst * worst + contrast < least)
+            least = worst * worst + contrast, best = &fit, result.delta_e = worst;
     }
-    Juxtaposition result;
-    result.delta_e = delta_e;
     for (std::size_t i = 0; i < static_cast<std::size_t>(best->count); ++i) {
         result.looks.push_back(best->columns[i]);
         result.shares.push_back(best->weights[i]);
     }
     return result;
+}
+
+}  // namespace
+
+Juxtaposition juxtapose(std::span<const Spectrum> looks, const Spectrum& target,
+                        std::span<const Illuminant> illuminants, const Spectrum& bare, double bare_share) {
+    TP_REQUIRE(!looks.empty() && !illuminants.empty(), "looks and illuminants");
+    TP_REQUIRE(bare_share >= 0 && bare_share < 1, "a part of the area is painted");
+    const Offer offer{looks, target, illuminants, bare, static_cast<float>(1 - bare_share)};
+    const std::vector<double> apart = apart_from(target, looks);
+    const auto fits = best_of(gram_of(columns_of(offer), apart), static_cast<int>(looks.size()));
+    TP_REQUIRE(!fits.empty(), "each look alone is a set");
+    return exact_best(offer, fits, apart);
 }
 
 }  // namespace tangi
