@@ -81,13 +81,21 @@ void require_valid(const MarkGeometry& g) {
     TP_REQUIRE(g.pitch_px >= 1 && g.width_px >= 1 && g.length_px >= 1, "marks are a pixel at least");
 }
 
+// Where lines go, and those that are there.
+struct Flow {
+    const Mask& mask;
+    const Image<float>& direction_rad;
+    const MarkGeometry& geometry;
+    Neighbours others;
+};
+
 // Half of a line, from its seed on.
-std::vector<glm::vec2> traced(const Mask& mask, const Image<float>& direction, const Neighbours& others,
-                              const glm::vec2& seed, float sign, const MarkGeometry& g, int owner) {
+std::vector<glm::vec2> traced(const Flow& flow, const glm::vec2& seed, float sign, int owner) {
+    const MarkGeometry& g = flow.geometry;
     std::vector<glm::vec2> path;
     glm::vec2 at = seed, last(0);
     for (double length = 0; length < g.length_px / 2; length += 0.5) {
-        const float angle = direction(static_cast<int>(at.x), static_cast<int>(at.y));
+        const float angle = flow.direction_rad(static_cast<int>(at.x), static_cast<int>(at.y));
         glm::vec2 along(std::cos(angle), std::sin(angle));
         // Directions have no sense; lines go on as they came.
         if (path.empty())
@@ -96,7 +104,7 @@ std::vector<glm::vec2> traced(const Mask& mask, const Image<float>& direction, c
             along = -along;
         last = along;
         at += 0.5f * along;
-        if (!covered(mask, at.x, at.y) || others.near(at, 0.7 * g.pitch_px, owner)) break;
+        if (!covered(flow.mask, at.x, at.y) || flow.others.near(at, 0.7 * g.pitch_px, owner)) break;
         path.push_back(at);
     }
     return path;
@@ -133,17 +141,17 @@ std::vector<Mark> vertical_marks(const Mask& mask, const MarkGeometry& g) {
 std::vector<Mark> flow_marks(const Mask& mask, const Image<float>& direction_rad, const MarkGeometry& g) {
     require_valid(g);
     TP_REQUIRE(direction_rad.region() == mask.region(), "a direction for every pixel");
-    Neighbours others(mask, g.pitch_px);
+    Flow flow{mask, direction_rad, g, Neighbours(mask, g.pitch_px)};
     std::vector<Mark> marks;
     for (const glm::vec2& seed : shuffled_pixels(mask, g.seed)) {
         const int owner = static_cast<int>(marks.size());
-        if (others.near(seed, g.pitch_px, owner)) continue;
-        std::vector<glm::vec2> path = traced(mask, direction_rad, others, seed, -1, g, owner);
+        if (flow.others.near(seed, g.pitch_px, owner)) continue;
+        std::vector<glm::vec2> path = traced(flow, seed, -1, owner);
         std::reverse(path.begin(), path.end());
         path.push_back(seed);
-        const auto ahead = traced(mask, direction_rad, others, seed, 1, g, owner);
+        const auto ahead = traced(flow, seed, 1, owner);
         path.insert(path.end(), ahead.begin(), ahead.end());
-        for (const glm::vec2& p : path) others.add(p, owner);
+        for (const glm::vec2& p : path) flow.others.add(p, owner);
         marks.push_back({path});
     }
     return marks;
