@@ -57,6 +57,43 @@ struct Outline {
     int dx = 0, dy = 0;
 };
 
+// Whose shape the cut has: the retouch's where it is looked at, and all retouches, as coverage in its region.
+struct CutShape {
+    Mask own, any;
+};
+
+CutShape shape_of(const MaskRegions& numbers, const Outline& place, const Region& region) {
+    const int w = region.width(), h = region.height();
+    CutShape shape{Mask(w, h), Mask(w, h)};
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+            const int u = x + region.x0, v = y + region.y0, from_x = u - place.dx, from_y = v - place.dy;
+            const bool own = from_x >= 0 && from_y >= 0 && from_x < numbers.number.width() &&
+                             from_y < numbers.number.height() &&
+                             numbers.number(from_x, from_y) == place.number;
+            shape.own(x, y) = own ? 1.0f : 0.0f;
+            shape.any(x, y) = own || numbers.number(u, v) != 0 ? 1.0f : 0.0f;
+        }
+    return shape;
+}
+
+// Pixels inside that have a neighbour outside.
+std::vector<std::size_t> border_of(const Mask& retouch) {
+    const int w = retouch.width(), h = retouch.height();
+    std::vector<std::size_t> border;
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+            if (!inside(retouch(x, y))) continue;
+            const bool rim = (x > 0 && !inside(retouch(x - 1, y))) || (y > 0 && !inside(retouch(x, y - 1))) ||
+                             (x + 1 < w && !inside(retouch(x + 1, y))) ||
+                             (y + 1 < h && !inside(retouch(x, y + 1)));
+            if (rim)
+                border.push_back(static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                                 static_cast<std::size_t>(x));
+        }
+    return border;
+}
+
 Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, const Outline& place, const Mask& damaged,
            const QualityOptions& options) {
     const double mm = canvas.mm_per_pixel();
@@ -69,36 +106,19 @@ Cut cut_of(const Canvas& canvas, const MaskRegions& numbers, const Outline& plac
     cut.sigma_px = std::max(options.seen_mm / mm / 2, 0.5);
     cut.region = {std::max(box.x0 - margin, 0), std::max(box.y0 - margin, 0),
                   std::min(box.x1 + margin, canvas.width()), std::min(box.y1 + margin, canvas.height())};
-    const int w = cut.region.width(), h = cut.region.height();
-    Mask any(w, h);  // all retouches
-    cut.retouch = cut.surroundings = Mask(w, h);
-    for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x) {
-            const int u = x + cut.region.x0, v = y + cut.region.y0, from_x = u - place.dx,
-                      from_y = v - place.dy;
-            const bool own = from_x >= 0 && from_y >= 0 && from_x < numbers.number.width() &&
-                             from_y < numbers.number.height() &&
-                             numbers.number(from_x, from_y) == place.number;
-            cut.retouch(x, y) = own ? 1.0f : 0.0f;
-            any(x, y) = own || numbers.number(u, v) != 0 ? 1.0f : 0.0f;
-        }
-    const Image<float> away = distance_inside_px(any);
-    for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x) {
+    CutShape shape = shape_of(numbers, place, cut.region);
+    const Image<float> away = distance_inside_px(shape.any);
+    cut.retouch = std::move(shape.own);
+    cut.surroundings = Mask(cut.region.width(), cut.region.height());
+    for (int y = 0; y < cut.surroundings.height(); ++y)
+        for (int x = 0; x < cut.surroundings.width(); ++x) {
             const int u = x + cut.region.x0, v = y + cut.region.y0;
             const bool good = -static_cast<double>(away(x, y)) > gap_px &&
                               canvas.dry().confidence(u, v) > 0 &&
                               (damaged.empty() || !inside(damaged(u, v)));
             cut.surroundings(x, y) = good ? 1.0f : 0.0f;
-            if (!inside(cut.retouch(x, y))) continue;
-            const bool rim = (x > 0 && !inside(cut.retouch(x - 1, y))) ||
-                             (y > 0 && !inside(cut.retouch(x, y - 1))) ||
-                             (x + 1 < w && !inside(cut.retouch(x + 1, y))) ||
-                             (y + 1 < h && !inside(cut.retouch(x, y + 1)));
-            if (rim)
-                cut.border.push_back(static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                                     static_cast<std::size_t>(x));
         }
+    cut.border = border_of(cut.retouch);
     cut.hole = cut.surroundings;
     float known = 0;
     for (float& f : cut.hole.pixels()) known += f, f = 1 - f;
