@@ -36,9 +36,15 @@ double scale_bar_mm(double denominator) {
     return length;
 }
 
-// A plan at 1:denominator with its scale bar below; gives the height.
-double draw_plan(Pdf& pdf, const ReportPlan& plan, const fs::path& beside, double x_mm, double y_mm,
-                 double denominator, bool for_real) {
+// Where a plan goes on a page [mm], at 1:denominator.
+struct PlanPlace {
+    double x_mm, y_mm, denominator;
+};
+
+// A plan with its scale bar below; gives the height. Its picture only `for_real`.
+double draw_plan(Pdf& pdf, const ReportPlan& plan, const fs::path& beside, const PlanPlace& place,
+                 bool for_real) {
+    const auto& [x_mm, y_mm, denominator] = place;
     const double width = plan.width_mm / denominator, height = plan.height_mm / denominator;
     if (plan.picture.empty()) {
         pdf.rectangle(x_mm, y_mm, width, height, 0);
@@ -133,22 +139,23 @@ private:
         y_ += 2;
     }
 
-    // Rows that fit on a page stay whole; longer ones go on on the next.
-    void lay_row(const ReportTable& t, const std::vector<std::string>& cells, bool head,
-                 const Rgb* key = nullptr) {
+    // A cell of a row, and which of its lines comes next.
+    struct Cell {
+        PdfLayout layout;
+        std::vector<PdfLine> lines;
+        double x_mm;
+        std::size_t next = 0;
+        double left_mm() const {
+            return next < lines.size() ? lines.back().bottom_mm - lines[next].top_mm : 0;
+        }
+    };
+    using Row = std::vector<Cell>;
+
+    Row row_of(const ReportTable& t, const std::vector<std::string>& cells, bool head) {
         TP_REQUIRE(cells.size() == t.widths.size(), "a table has as many cells in a row as columns");
         double sum = 0;
         for (const double w : t.widths) sum += w;
-        struct Cell {
-            PdfLayout layout;
-            std::vector<PdfLine> lines;
-            double x_mm;
-            std::size_t next = 0;
-            double left_mm() const {
-                return next < lines.size() ? lines.back().bottom_mm - lines[next].top_mm : 0;
-            }
-        };
-        std::vector<Cell> row;
+        Row row;
         double x = kMargin_mm;
         for (std::size_t i = 0; i < cells.size(); ++i) {
             const double width = kWidth_mm * t.widths[i] / sum;
@@ -158,34 +165,47 @@ private:
             row.push_back({std::move(laid), std::move(lines), x + after});
             x += width;
         }
-        const auto left = [&] {
-            double most = 0;
-            for (const Cell& cell : row) most = std::max(most, cell.left_mm());
-            return most;
-        };
+        return row;
+    }
+    static double left_mm(const Row& row) {
+        double most = 0;
+        for (const Cell& cell : row) most = std::max(most, cell.left_mm());
+        return most;
+    }
+
+    // As many lines of each cell as this page has room for; false where it has none.
+    bool draw_lines(Row& row, bool head) {
+        double used = 0;
+        bool any = false;
+        for (Cell& cell : row) {
+            const std::size_t first = cell.next;
+            while (cell.next < cell.lines.size()) {
+                const PdfLine& line = cell.lines[cell.next];
+                const double from = cell.lines[first].top_mm;
+                if (y_ + line.bottom_mm - from + 1 > kBottom_mm) break;
+                pdf_.draw(line, cell.x_mm, y_ + 0.5 + line.baseline_mm - from, head ? kSoft : kInk);
+                used = std::max(used, line.bottom_mm - from);
+                ++cell.next;
+                any = true;
+            }
+        }
+        y_ += used + 1;
+        return any;
+    }
+
+    // Rows that fit on a page stay whole; longer ones go on on the next.
+    void lay_row(const ReportTable& t, const std::vector<std::string>& cells, bool head,
+                 const Rgb* key = nullptr) {
+        Row row = row_of(t, cells, head);
         const auto next_page = [&] {
             end_page();
             if (!head && !t.head.empty()) lay_row(t, t.head, true);
         };
-        if (y_ + left() + 1 > kBottom_mm && left() < kBottom_mm - kMargin_mm - 20) next_page();
+        if (y_ + left_mm(row) + 1 > kBottom_mm && left_mm(row) < kBottom_mm - kMargin_mm - 20) next_page();
         if (key) pdf_.patch(kMargin_mm, y_ + 0.9, kKey_mm, 2.2, *key);
         for (;;) {
-            double used = 0;
-            bool any = false;
-            for (Cell& cell : row) {
-                const std::size_t first = cell.next;
-                while (cell.next < cell.lines.size()) {
-                    const PdfLine& line = cell.lines[cell.next];
-                    const double from = cell.lines[first].top_mm;
-                    if (y_ + line.bottom_mm - from + 1 > kBottom_mm) break;
-                    pdf_.draw(line, cell.x_mm, y_ + 0.5 + line.baseline_mm - from, head ? kSoft : kInk);
-                    used = std::max(used, line.bottom_mm - from);
-                    ++cell.next;
-                    any = true;
-                }
-            }
-            y_ += used + 1;
-            if (!(left() > 0)) break;
+            const bool any = draw_lines(row, head);
+            if (!(left_mm(row) > 0)) break;
             TP_REQUIRE(any || y_ > kMargin_mm + 20, "a line of text fits on a page");
             next_page();
         }
@@ -260,7 +280,7 @@ private:
         if (y_ > kMargin_mm) end_page();
         const double denominator = fitting(plan);
         y_ += pdf_.write(in_words(plan, denominator), kMargin_mm, y_, kWidth_mm, kText_pt) + 2;
-        y_ += draw_plan(pdf_, plan, path_, kMargin_mm, y_, denominator, pages_ > 0) + 3;
+        y_ += draw_plan(pdf_, plan, path_, {kMargin_mm, y_, denominator}, pages_ > 0) + 3;
     }
 
     Pdf pdf_;
@@ -297,7 +317,7 @@ void write_pdf(const fs::path& path, const ReportPlan& plan) {
     const double width = std::max(plan.width_mm / denominator, 100.0) + 2 * margin;
     Pdf pdf(width, plan.height_mm / denominator + 2 * margin + caption + bar, plan.caption, "tangipaint");
     pdf.write(in_words(plan, denominator), margin, margin, width - 2 * margin, kSmall_pt);
-    draw_plan(pdf, plan, path, margin, margin + caption, denominator, true);
+    draw_plan(pdf, plan, path, {margin, margin + caption, denominator}, true);
     pdf.end_page();
     write_bytes(path, pdf.finish());
 }

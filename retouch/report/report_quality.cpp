@@ -48,6 +48,50 @@ std::string spaced(std::string name) {
     return name;
 }
 
+namespace {
+
+// A retouch's figures; in brackets those of undamaged areas of its shape.
+std::vector<std::string> quality_row(const json& region) {
+    const json own = region.value("undamaged", json());
+    const auto bracket = [&](const std::string& text) { return own.is_object() ? " (" + text + ")" : ""; };
+    const auto colour = [&](const char* key) {
+        return by_each_light(region.at(key)) + (own.is_object() ? bracket(by_each_light(own.at(key))) : "");
+    };
+    const auto number = [&](const json& of) { return fmt::format("{:.3f}", of.get<double>()); };
+    const StatedLength area = stated_length(region, "area", "_mm2"),
+                       height = stated_length(region, "height_step");
+    return {fmt::format("{}, {}", region.at("box_px").at(0).dump(), region.at("box_px").at(1).dump()),
+            fmt::format("{:.1f}{}", area.value.get<double>(), area.unit),
+            colour("delta_e_2000"),
+            colour("border_delta_e_2000"),
+            number(height.value.at("rms")) + std::string(height.unit) +
+                (own.is_object() ? bracket(number(stated_length(own, "height_step").value.at("rms"))) : ""),
+            number(region.at("gloss_step")) + (own.is_object() ? bracket(number(own.at("gloss_step"))) : "")};
+}
+
+struct QualityPictures {
+    ReportPictures maps, raking;
+};
+
+QualityPictures quality_pictures(const json& outputs, const fs::path& folder) {
+    QualityPictures pictures;
+    for (const auto& [file, hash] : outputs.items()) {
+        const fs::path path = file;
+        if (path.filename() == "delta_e_2000.png")
+            pictures.maps.pictures.push_back(
+                {cut_to_what_is_there(read_picture(folder / path)),
+                 "ΔE2000, the worst under the illuminants: black 0, white 10 and more; cut to "
+                 "the retouches"});
+        else if (path.stem().string().starts_with("raking_"))
+            pictures.raking.pictures.push_back({fitting(read_picture(folder / path), 4),
+                                                spaced(path.stem().string()) + ", at 15°, with shadows"});
+    }
+    for (ReportPicture& p : pictures.maps.pictures) p.picture = fitting(p.picture, 2);
+    return pictures;
+}
+
+}  // namespace
+
 void add_quality(ReportMatter& m) {
     const auto last = std::find_if(m.log().rbegin(), m.log().rend(), [](const LogEntry& e) {
         return e.content.value("action", "") == "quality";
@@ -67,43 +111,11 @@ void add_quality(ReportMatter& m) {
                    true});
     ReportTable table{
         {"At pixel", "Area", "ΔE2000", "Across the border", "Height", "Gloss"}, {}, {1.3, 1.2, 4, 4, 2.4, 2}};
-    for (const json& region : results.at("regions")) {
-        const json own = region.value("undamaged", json());
-        const auto bracket = [&](const std::string& text) {
-            return own.is_object() ? " (" + text + ")" : "";
-        };
-        const auto colour = [&](const char* key) {
-            return by_each_light(region.at(key)) +
-                   (own.is_object() ? bracket(by_each_light(own.at(key))) : "");
-        };
-        const auto number = [&](const json& of) { return fmt::format("{:.3f}", of.get<double>()); };
-        const StatedLength area = stated_length(region, "area", "_mm2"),
-                           height = stated_length(region, "height_step");
-        table.rows.push_back(
-            {fmt::format("{}, {}", region.at("box_px").at(0).dump(), region.at("box_px").at(1).dump()),
-             fmt::format("{:.1f}{}", area.value.get<double>(), area.unit), colour("delta_e_2000"),
-             colour("border_delta_e_2000"),
-             number(height.value.at("rms")) + std::string(height.unit) +
-                 (own.is_object() ? bracket(number(stated_length(own, "height_step").value.at("rms"))) : ""),
-             number(region.at("gloss_step")) +
-                 (own.is_object() ? bracket(number(own.at("gloss_step"))) : "")});
-    }
+    for (const json& region : results.at("regions")) table.rows.push_back(quality_row(region));
     m.add(std::move(table));
-    ReportPictures maps, raking;
-    for (const auto& [file, hash] : last->content.at("outputs").items()) {
-        const fs::path path = file;
-        if (path.filename() == "delta_e_2000.png")
-            maps.pictures.push_back(
-                {cut_to_what_is_there(read_picture(m.t.folder() / path)),
-                 "ΔE2000, the worst under the illuminants: black 0, white 10 and more; cut to "
-                 "the retouches"});
-        else if (path.stem().string().starts_with("raking_"))
-            raking.pictures.push_back({fitting(read_picture(m.t.folder() / path), 4),
-                                       spaced(path.stem().string()) + ", at 15°, with shadows"});
-    }
-    for (ReportPicture& p : maps.pictures) p.picture = fitting(p.picture, 2);
-    m.add(std::move(maps));
-    m.add(std::move(raking));
+    QualityPictures pictures = quality_pictures(last->content.at("outputs"), m.t.folder());
+    m.add(std::move(pictures.maps));
+    m.add(std::move(pictures.raking));
 }
 
 }  // namespace tangi
