@@ -81,6 +81,23 @@ std::string sha256_of_what_is_known(const Surface& surface) {
     return sha.hex();
 }
 
+// The log's first line, but for "scale_known": the painting as it was.
+json first_entry(const fs::path& painting, const Canvas& canvas, const Author& author) {
+    return {{"action", "begin"},
+            {"time", utc_now()},
+            {"who", author.who},
+            {"tool", author.tool},
+            {"painting", painting.filename().string()},
+            {"inputs", {{painting.filename().string(), sha256_of_file(painting)}}},
+            {"width", canvas.width()},
+            {"height", canvas.height()},
+            {"mm_per_pixel", canvas.mm_per_pixel()},
+            {"dry_hash", hash_of(canvas.dry())},
+            {"dry_sha256", sha256_of(canvas.dry())},
+            {"about_sha256", sha256_of_what_is_known(canvas.dry())},
+            {"layers", json::array()}};
+}
+
 }  // namespace
 
 std::string sha256_of(const Canvas& canvas, const PaintLayer& layer) {
@@ -136,20 +153,8 @@ Treatment Treatment::begin(const fs::path& named, const fs::path& painting, cons
     if (is_there && !fs::equivalent(copy, painting) && sha256_of_file(copy) != sha256_of_file(painting))
         fail("{}: is another painting, and would be overwritten; choose another folder for the treatment",
              copy.string());
-    json first = {{"action", "begin"},
-                  {"time", utc_now()},
-                  {"who", author.who},
-                  {"tool", author.tool},
-                  {"painting", painting.filename().string()},
-                  {"inputs", {{painting.filename().string(), sha256_of_file(painting)}}},
-                  {"width", canvas.width()},
-                  {"height", canvas.height()},
-                  {"mm_per_pixel", canvas.mm_per_pixel()},
-                  {"scale_known", canvas.dry().scale_known || mm_per_pixel.has_value()},
-                  {"dry_hash", hash_of(canvas.dry())},
-                  {"dry_sha256", sha256_of(canvas.dry())},
-                  {"about_sha256", sha256_of_what_is_known(canvas.dry())},
-                  {"layers", json::array()}};
+    json first = first_entry(painting, canvas, author);
+    first["scale_known"] = canvas.dry().scale_known || mm_per_pixel.has_value();
     FolderFiles written(folder);  // all of it, or none
     told_of(written.temporary(), folder, [&] {
         make_folder(written.temporary() / kTreatmentMasks);
