@@ -13,133 +13,156 @@ namespace {
 
 constexpr std::array<const char*, 6> kShapes = {"round", "flat", "filbert", "fan", "knife", "rag"};
 
+// Each preset differs from another by these settings.
+
+// Hog bristles: tufts of them differ much in paint and in length, which makes streaks.
+BrushSettings round_brush() {
+    BrushSettings brush;
+    brush.load_mm = 4.5;
+    brush.load_variation = 0.9;
+    brush.pickup = 2.2;
+    brush.groove_mm = 0.32;
+    brush.gap_mm = 0.08;
+    brush.load_reach = 0.2;
+    return brush;
+}
+
+BrushSettings flat_of(BrushSettings brush) {
+    brush.shape = "flat";
+    brush.size_mm = 12;
+    brush.thickness = 0.35;
+    brush.follow = true;
+    brush.bend = 0.1;
+    return brush;
+}
+
+BrushSettings filbert_of(BrushSettings brush) {
+    brush.shape = "filbert";
+    brush.size_mm = 10;
+    brush.thickness = 0.45;
+    return brush;
+}
+
+BrushSettings fan_of(BrushSettings brush) {
+    brush.shape = "fan";
+    brush.size_mm = 22;
+    brush.thickness = 0.16;
+    brush.load_mm = 1.4;
+    brush.hold_mm = 3;
+    brush.load_variation = 0.8;
+    brush.groove_mm = 0.4;
+    brush.bristle_mm = 0.9;
+    return brush;
+}
+
+// A blade: no bristles, hardly any room under it, and what it meets goes where it goes. Its leading edge is
+// high: paint wells up under it, and what the blade does not let through leaves by its ends.
+BrushSettings knife_of(BrushSettings brush) {
+    brush.shape = "knife";
+    brush.size_mm = 18;
+    brush.thickness = 0.25;
+    brush.load_mm = 5;
+    brush.hold_mm = 12;
+    brush.load_variation = 0.3;
+    brush.deposit = 0.4;
+    brush.pickup = 0.4;
+    brush.push = 1;
+    brush.spread = 1;
+    brush.gap_mm = 0.28;
+    brush.groove_mm = 0.06;
+    brush.bristle_mm = 1;
+    brush.depth_mm = 0.7;
+    brush.splay = 0;
+    brush.bend = 0;
+    brush.lift = 2;
+    brush.reach_mm = 0.08;
+    brush.load_reach = 0.25;
+    brush.film_mm = 0.004;
+    brush.grain = 0.02;
+    return brush;
+}
+
+// Cloth: takes much, gives little, touches the crests.
+BrushSettings rag_of(BrushSettings brush) {
+    brush.shape = "rag";
+    brush.size_mm = 25;
+    brush.load_mm = 0;
+    brush.load_variation = 0.35;
+    brush.deposit = 0.1;
+    brush.pickup = 2.5;
+    brush.push = 0.15;
+    brush.gap_mm = 0.01;
+    brush.groove_mm = 0.12;
+    brush.bristle_mm = 1.5;
+    brush.depth_mm = 0.5;
+    brush.bend = 0;
+    brush.lift = 0;
+    brush.film_mm = 0.003;
+    brush.grain = 0.5;
+    return brush;
+}
+
+BrushSettings smudge_of(BrushSettings brush) {
+    brush.load_mm = 0;
+    brush.deposit = 1.2;
+    brush.pickup = 1.2;
+    brush.push = 0.8;
+    brush.groove_mm = 0.08;
+    brush.gap_mm = 0.05;
+    return brush;
+}
+
+BrushSettings scrape_of(BrushSettings brush) {
+    brush.load_mm = 0;
+    brush.hold_mm = 100;
+    brush.depth_mm = 1.5;
+    brush.lift = 0.9;
+    brush.spread = 0.3;
+    brush.deposit = 0.02;
+    brush.pickup = 3;
+    brush.gap_mm = 0.004;
+    brush.groove_mm = 0.005;
+    brush.film_mm = 0.002;
+    brush.reach_mm = 0.06;
+    return brush;
+}
+
+// Takes all wet paint away.
+BrushSettings eraser_of(BrushSettings brush) {
+    brush.erases = true;
+    brush.shape = "round";
+    brush.size_mm = 10;
+    brush.hold_mm = 1000;
+    brush.deposit = 0;
+    brush.pickup = 20;
+    brush.push = 0;
+    brush.gap_mm = 0;
+    brush.groove_mm = 0;
+    brush.film_mm = 0;
+    brush.grain = 0;
+    brush.reach_mm = 1;
+    return brush;
+}
+
+// Takes height only: a film stays, which has the paint's colour as far as paint so thin hides what is below.
+BrushSettings height_eraser_of(BrushSettings brush) {
+    brush.film_mm = 0.03;
+    return brush;
+}
+
 std::map<std::string, BrushSettings> make_presets() {
-    std::map<std::string, BrushSettings> all;
-    // Hog bristles: tufts of them differ much in paint and in length, which makes streaks.
-    BrushSettings round;
-    round.load_mm = 4.5;
-    round.load_variation = 0.9;
-    round.pickup = 2.2;
-    round.groove_mm = 0.32;
-    round.gap_mm = 0.08;
-    round.load_reach = 0.2;
-    all["round"] = round;
-
-    BrushSettings flat = round;
-    flat.shape = "flat";
-    flat.size_mm = 12;
-    flat.thickness = 0.35;
-    flat.follow = true;
-    flat.bend = 0.1;
-    all["flat"] = flat;
-
-    BrushSettings filbert = flat;
-    filbert.shape = "filbert";
-    filbert.size_mm = 10;
-    filbert.thickness = 0.45;
-    all["filbert"] = filbert;
-
-    BrushSettings fan = flat;
-    fan.shape = "fan";
-    fan.size_mm = 22;
-    fan.thickness = 0.16;
-    fan.load_mm = 1.4;
-    fan.hold_mm = 3;
-    fan.load_variation = 0.8;
-    fan.groove_mm = 0.4;
-    fan.bristle_mm = 0.9;
-    all["fan"] = fan;
-
-    // A blade: no bristles, hardly any room under it, and what it meets goes where it goes. Its leading edge
-    // is high: paint wells up under it, and what the blade does not let through leaves by its ends.
-    BrushSettings knife = flat;
-    knife.shape = "knife";
-    knife.size_mm = 18;
-    knife.thickness = 0.25;
-    knife.load_mm = 5;
-    knife.hold_mm = 12;
-    knife.load_variation = 0.3;
-    knife.deposit = 0.4;
-    knife.pickup = 0.4;
-    knife.push = 1;
-    knife.spread = 1;
-    knife.gap_mm = 0.28;
-    knife.groove_mm = 0.06;
-    knife.bristle_mm = 1;
-    knife.depth_mm = 0.7;
-    knife.splay = 0;
-    knife.bend = 0;
-    knife.lift = 2;
-    knife.reach_mm = 0.08;
-    knife.load_reach = 0.25;
-    knife.film_mm = 0.004;
-    knife.grain = 0.02;
-    all["knife"] = knife;
-
-    // Cloth: takes much, gives little, touches the crests.
-    BrushSettings rag = round;
-    rag.shape = "rag";
-    rag.size_mm = 25;
-    rag.load_mm = 0;
-    rag.load_variation = 0.35;
-    rag.deposit = 0.1;
-    rag.pickup = 2.5;
-    rag.push = 0.15;
-    rag.gap_mm = 0.01;
-    rag.groove_mm = 0.12;
-    rag.bristle_mm = 1.5;
-    rag.depth_mm = 0.5;
-    rag.bend = 0;
-    rag.lift = 0;
-    rag.film_mm = 0.003;
-    rag.grain = 0.5;
-    all["rag"] = rag;
-
-    BrushSettings smudge = round;
-    smudge.load_mm = 0;
-    smudge.deposit = 1.2;
-    smudge.pickup = 1.2;
-    smudge.push = 0.8;
-    smudge.groove_mm = 0.08;
-    smudge.gap_mm = 0.05;
-    all["smudge"] = smudge;
-
-    BrushSettings scrape = knife;
-    scrape.load_mm = 0;
-    scrape.hold_mm = 100;
-    scrape.depth_mm = 1.5;
-    scrape.lift = 0.9;
-    scrape.spread = 0.3;
-    scrape.deposit = 0.02;
-    scrape.pickup = 3;
-    scrape.gap_mm = 0.004;
-    scrape.groove_mm = 0.005;
-    scrape.film_mm = 0.002;
-    scrape.reach_mm = 0.06;
-    all["scrape"] = scrape;
-
-    // Takes all wet paint away.
-    BrushSettings eraser = rag;
-    eraser.erases = true;
-    eraser.shape = "round";
-    eraser.size_mm = 10;
-    eraser.hold_mm = 1000;
-    eraser.deposit = 0;
-    eraser.pickup = 20;
-    eraser.push = 0;
-    eraser.gap_mm = 0;
-    eraser.groove_mm = 0;
-    eraser.film_mm = 0;
-    eraser.grain = 0;
-    eraser.reach_mm = 1;
-    all["eraser"] = eraser;
-
-    // Takes height only: a film stays, which has the paint's colour as far as paint so thin hides what is
-    // below.
-    BrushSettings leveller = eraser;
-    leveller.film_mm = 0.03;
-    all["height eraser"] = leveller;
-    return all;
+    const BrushSettings round = round_brush(), flat = flat_of(round), knife = knife_of(flat),
+                        rag = rag_of(round), eraser = eraser_of(rag);
+    return {{"round", round},
+            {"flat", flat},
+            {"filbert", filbert_of(flat)},
+            {"fan", fan_of(flat)},
+            {"knife", knife},
+            {"rag", rag},
+            {"smudge", smudge_of(round)},
+            {"scrape", scrape_of(knife)},
+            {"eraser", eraser},
+            {"height eraser", height_eraser_of(eraser)}};
 }
 
 std::string listed(const std::map<std::string, BrushSettings>& presets) {
