@@ -79,47 +79,65 @@ struct ReadBrush {
     bool goes_on = false;
 };
 
-ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& painting,
-                     const std::optional<Canvas>& board) {
-    const std::string where = fmt::format("{}: attribute 'brush' of part 'brush'", path.string());
-    ReadBrush hand;
-    BrushLoad load;
+// What the attribute says of the brush in the hand.
+struct BrushNote {
+    json settings;
+    std::uint64_t seed = 0;
+    float rotation_rad = 0;
+    Place place = Place::painting;
+    bool goes_on = false;
+};
+
+BrushNote note_of(const PartInfo& info, const std::string& where) {
     const auto text = info.attributes.find("brush");
     const json about = text == info.attributes.end() ? json() : json_or_discarded(text->second);
     if (!about.is_object() || !about.value("seed", json()).is_number_unsigned() ||
         !about.value("rotation_rad", json()).is_number() || !about.contains("settings"))
         fail("{}: has no settings, seed and rotation_rad", where);
-    load.rotation_rad = about["rotation_rad"].get<float>();
-    if (!std::isfinite(load.rotation_rad)) fail("{}: rotation_rad is not finite", where);
+    BrushNote note;
+    note.settings = about["settings"];
+    note.seed = about["seed"].get<std::uint64_t>();
+    note.rotation_rad = about["rotation_rad"].get<float>();
+    if (!std::isfinite(note.rotation_rad)) fail("{}: rotation_rad is not finite", where);
     const json on = about.value("on", json());
     if (on != "painting" && on != "palette")
         fail("{}: 'on' is {}, not painting or palette", where, shown(on));
-    hand.place = on == "painting" ? Place::painting : Place::palette;
-    hand.goes_on = about.value("goes_on", json()) == true;
-    if (hand.place == Place::palette && !board)
-        fail("{}: it was used on a palette, which is not there", where);
-    const Canvas& canvas = hand.place == Place::palette ? *board : painting;
+    note.place = on == "painting" ? Place::painting : Place::palette;
+    note.goes_on = about.value("goes_on", json()) == true;
+    return note;
+}
 
-    const BrushSettings settings = brush_from_json(about["settings"], where);
+std::unique_ptr<Brush> brush_of(const BrushNote& note, double mm_per_pixel, const std::string& where) {
+    const BrushSettings settings = brush_from_json(note.settings, where);
     try {
-        hand.brush =
-            std::make_unique<Brush>(settings, painting.mm_per_pixel(), about["seed"].get<std::uint64_t>());
+        return std::make_unique<Brush>(settings, mm_per_pixel, note.seed);
     } catch (const Error& error) {  // it knows of no file
         fail("{}: {}", where, error.what());
     }
-    const int size = hand.brush->grid_size();
-    // Earlier versions gave a brush that is too small to be resolved a cell or two less.
-    const int margin = hand.brush->coverage() < 1 ? std::clamp((size - info.width) / 2, 0, 2) : 0;
+}
+
+// The cells of a border that are not in the part: earlier versions gave a brush that is too small to be
+// resolved a cell or two less. Throws Error where the part has another size.
+int margin_of(const fs::path& path, const PartInfo& info, const Brush& brush) {
+    const int size = brush.grid_size();
+    const int margin = brush.coverage() < 1 ? std::clamp((size - info.width) / 2, 0, 2) : 0;
     if (info.width != size - 2 * margin || info.height != info.width)
         fail(
             "{}: part 'brush' is {} x {}, but a brush of these settings is {} x {}: the file is damaged; "
             "take a copy from before",
             path.string(), info.width, info.height, size, size);
+    return margin;
+}
+
+// Paints are numbered as the canvas's ingredients, of which there are so many.
+BrushLoad read_load(const fs::path& path, const PartInfo& info, const Brush& brush, std::size_t ingredients) {
+    const int size = brush.grid_size(), margin = margin_of(path, info, brush);
     PartInfo volumes = info;
     if (volumes.channels.empty() || volumes.channels.front() != kTotal)
         fail("{}: part 'brush' has no channel 'total'", path.string());
     volumes.channels.erase(volumes.channels.begin());
-    load.ingredients = ingredients_of(path, volumes, canvas.ingredients().size(), false);
+    BrushLoad load;
+    load.ingredients = ingredients_of(path, volumes, ingredients, false);
     load.mm.resize(load.ingredients.size());
     const auto width = static_cast<std::size_t>(info.width), cells = static_cast<std::size_t>(size * size);
     load.total_mm.resize(cells);
@@ -140,8 +158,21 @@ ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& p
             require_total(path, info, y, row_of(0), sums);
         }
     });
-    hand.brush->put_back(load);
-    return hand;
+    return load;
+}
+
+ReadBrush read_brush(const fs::path& path, const PartInfo& info, const Canvas& painting,
+                     const std::optional<Canvas>& board) {
+    const std::string where = fmt::format("{}: attribute 'brush' of part 'brush'", path.string());
+    const BrushNote note = note_of(info, where);
+    if (note.place == Place::palette && !board)
+        fail("{}: it was used on a palette, which is not there", where);
+    const Canvas& canvas = note.place == Place::palette ? *board : painting;
+    std::unique_ptr<Brush> brush = brush_of(note, painting.mm_per_pixel(), where);
+    BrushLoad load = read_load(path, info, *brush, canvas.ingredients().size());
+    load.rotation_rad = note.rotation_rad;
+    brush->put_back(load);
+    return {std::move(brush), note.place, note.goes_on};
 }
 
 }  // namespace
