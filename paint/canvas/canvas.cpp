@@ -289,6 +289,51 @@ FilmShares shares_of(const PaintTile& tile, double share) {
     return shares;
 }
 
+// Pixels of a tile, from the first of each run to behind its last.
+using PixelRuns = std::vector<std::pair<std::size_t, std::size_t>>;
+
+template <class Rows>
+PixelRuns runs_within(const Rows& rows, const Region& tile) {
+    PixelRuns runs;
+    for (int y = tile.y0; y < tile.y1; ++y)
+        for (const RowSpan& span : rows[static_cast<std::size_t>(y)]) {
+            const int x0 = std::max(span.begin, tile.x0), x1 = std::min(span.end, tile.x1);
+            const auto first = static_cast<std::size_t>((y - tile.y0) * kTileSize + x0 - tile.x0);
+            if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
+        }
+    return runs;
+}
+
+// Whether there is more paint than dust.
+bool lies(const PaintTile& tile, const PixelRuns& runs) {
+    return std::ranges::any_of(tile.ingredients, [&](IngredientId id) {
+        const auto plane = tile.plane(id);
+        return std::ranges::any_of(runs, [&](const auto& run) {
+            return std::any_of(plane.begin() + static_cast<std::ptrdiff_t>(run.first),
+                               plane.begin() + static_cast<std::ptrdiff_t>(run.second),
+                               [](float mm) { return mm > kDust_mm; });
+        });
+    });
+}
+
+void move_share(PaintTile& from, PaintTile& to, double share, const PixelRuns& runs) {
+    const FilmShares shares = shares_of(from, share);
+    for (const IngredientId id : from.ingredients) {
+        const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
+        const std::vector<float>& part = is_upper(id) ? shares.upper : shares.mixed;
+        float owed = 0;  // [mm] what rounding to the grid left wet: given by the next pixels
+        for (const auto& [begin, end] : runs)
+            for (std::size_t i = begin; i < end; ++i) {
+                const float wanted = source[i] * part[i];
+                const float rounded = wanted > 0 ? std::min(on_grid(wanted + owed), source[i]) : 0.0f;
+                const float moved = part[i] == 1 ? source[i] : rounded;
+                owed += wanted - moved;
+                target[i] += moved;
+                source[i] -= moved;
+            }
+    }
+}
+
 }  // namespace
 
 std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where, double share) {
@@ -297,44 +342,14 @@ std::string dry(Canvas& canvas, const std::string& name, const CanvasPart& where
     PaintLayer &wet = canvas.writable_wet(), *dried = nullptr;
     auto& layers = canvas.writable_dried();
     for (const TileIndex at : canvas.wet().painted()) {
-        const Region tile = wet.region_of(at);
-        std::vector<std::pair<std::size_t, std::size_t>> runs;  // pixels of the tile
-        for (int y = tile.y0; y < tile.y1; ++y)
-            for (const RowSpan& span : rows[static_cast<std::size_t>(y)]) {
-                const int x0 = std::max(span.begin, tile.x0), x1 = std::min(span.end, tile.x1);
-                const auto first = static_cast<std::size_t>((y - tile.y0) * kTileSize + x0 - tile.x0);
-                if (x1 > x0) runs.emplace_back(first, first + static_cast<std::size_t>(x1 - x0));
-            }
-        const PaintTile& tile_there = *canvas.wet().tile(at);
-        const bool lies = std::ranges::any_of(tile_there.ingredients, [&](IngredientId id) {
-            const auto plane = tile_there.plane(id);
-            return std::ranges::any_of(runs, [&](const auto& run) {
-                return std::any_of(plane.begin() + static_cast<std::ptrdiff_t>(run.first),
-                                   plane.begin() + static_cast<std::ptrdiff_t>(run.second),
-                                   [](float mm) { return mm > kDust_mm; });
-            });
-        });
-        if (!lies) continue;
+        const PixelRuns runs = runs_within(rows, wet.region_of(at));
+        if (!lies(*canvas.wet().tile(at), runs)) continue;
         if (!dried) {
             layers.push_back({free_layer_name(canvas, name), PaintLayer(canvas.width(), canvas.height())});
             dried = &layers.back().paint;
         }
         PaintTile &from = wet.writable(at), &to = dried->writable(at);
-        const FilmShares shares = shares_of(from, share);
-        for (const IngredientId id : from.ingredients) {
-            const std::span<float> source = from.writable_plane(id), target = to.writable_plane(id);
-            const std::vector<float>& part = is_upper(id) ? shares.upper : shares.mixed;
-            float owed = 0;  // [mm] what rounding to the grid left wet: given by the next pixels
-            for (const auto& [begin, end] : runs)
-                for (std::size_t i = begin; i < end; ++i) {
-                    const float wanted = source[i] * part[i];
-                    const float rounded = wanted > 0 ? std::min(on_grid(wanted + owed), source[i]) : 0.0f;
-                    const float moved = part[i] == 1 ? source[i] : rounded;
-                    owed += wanted - moved;
-                    target[i] += moved;
-                    source[i] -= moved;
-                }
-        }
+        move_share(from, to, share, runs);
         from.drop_empty();
         to.drop_empty();
         if (from.ingredients.empty()) wet.set_tile(at, nullptr);
