@@ -114,10 +114,10 @@ public:
     // kOutside where there are none.
     float lowest_mm(const Dab& dab, int x, int y) const;
 
-    // The underside [mm] of the bristles over a box of pixels whose first is (x0, y0), row-major; kOutside
-    // where there are none; and the part of each pixel that they cover, 0..1, in rows as long. Row y has
-    // bristles at columns spans[y].begin <= x < spans[y].end at most.
-    void underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,
+    // The underside [mm] of the bristles over a box of pixels, row-major; kOutside where there are none; and
+    // the part of each pixel that they cover, 0..1, in rows as long. Row y of the box has bristles at columns
+    // spans[y].begin <= x < spans[y].end of it at most.
+    void underside_mm(const Dab& dab, const Region& box, float* out, float* cover,
                       std::vector<RowSpan>& spans) const;
 
     // The load of an ingredient; made where there is none. The grid has grid_size() columns and rows, its

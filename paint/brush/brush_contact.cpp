@@ -146,8 +146,9 @@ float Brush::lowest_mm(const Dab& dab, int x, int y) const {
     return underside;
 }
 
-void Brush::underside_mm(const Dab& dab, int x0, int y0, int width, int height, float* out, float* cover,
+void Brush::underside_mm(const Dab& dab, const Region& box, float* out, float* cover,
                          std::vector<RowSpan>& spans) const {
+    const int x0 = box.x0, y0 = box.y0, width = box.width(), height = box.height();
     double cx, cy;
     contact_centre(dab, cx, cy);
     // The leading edge is higher; tilt lifts the side that the handle leans away from.

@@ -43,61 +43,97 @@ Dab with_loads(const Brush& brush, Dab dab, const Region& box) {
     return dab;
 }
 
-// Pixels under the brush.
-double one_step(PaintWindow& window, Brush& brush, const Dab& wanted, const Region& box, double mm_per_pixel,
-                std::uint64_t seed, DabMemory& memory) {
-    std::vector<float>& underside = memory.underside;
-    StepBox& step = memory.box;
-    brush.turn_to(wanted.rotation_rad);
-    brush.weigh(wanted.step);
-    const Dab dab = with_loads(brush, wanted, box);
-    const int width = box.width(), height = box.height();
-    const std::size_t area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    underside.resize(2 * area);
-    brush.underside_mm(dab, box.x0, box.y0, width, height, underside.data(), underside.data() + area,
-                       step.bristles);
-    step.width = width;
-    step.height = height;
-    step.underside_mm = underside.data();
-    step.cover = underside.data() + area;
-    step.underside_stride = static_cast<std::size_t>(width);
-    window.attach(step, box.x0, box.y0);
-    step.load_stride = static_cast<std::size_t>(brush.grid_size());
-    const std::size_t corner = static_cast<std::size_t>(brush.grid_half() - height / 2) * step.load_stride +
-                               static_cast<std::size_t>(brush.grid_half() - width / 2);
-    for (const IngredientId id : window.ingredients()) brush.load_plane(id);
-    step.load.clear();
-    for (const IngredientId id : window.ingredients()) step.load.push_back(brush.load_plane(id) + corner);
-    step.load_total_mm = brush.load_total() + corner;
+// The steps of a brush in one window.
+class WindowSteps {
+public:
+    WindowSteps(PaintWindow& window, Brush& brush, double mm_per_pixel, std::uint64_t seed, DabMemory& memory)
+        : window_(window),
+          brush_(brush),
+          mm_per_pixel_(mm_per_pixel),
+          seed_(seed),
+          memory_(memory),
+          step_(memory.box) {}
 
-    const TransferRates rates = rates_of(brush, dab, mm_per_pixel);
-    double x, y;
-    brush.contact_centre(dab, x, y);
-    const float way = dab.stands ? 0 : dab.length_px;
-    const BrushMotion motion{dab.dx * way, dab.dy * way, dab.turn_rad, static_cast<float>(x - box.x0),
-                             static_cast<float>(y - box.y0)};
-    step.sides = brush.sides(dab, box.x0, box.y0);
-    step.lanes = {};
-    const auto grain = static_cast<float>(brush.settings().grain);
-    if (!dab.stands) {
-        step.lanes = lanes_at(dab.way_px, std::max(step.sides.left_px, step.sides.right_px),
-                              static_cast<float>(brush.settings().bristle_mm / mm_per_pixel), grain, seed,
-                              memory.lanes);
-        const float way_mm = dab.way_px * static_cast<float>(mm_per_pixel);
-        step.sides.left_bears = side_bears(way_mm, grain, seed, -1);
-        step.sides.right_bears = side_bears(way_mm, grain, seed, 1);
-    } else if (dab.side != 0)
-        step.lanes = ramp_of(dab.side, step.sides.right_px, memory.lanes);
-    if (brush.settings().shape == "knife") lift_onto_face(step, kFace_mm, kClimbs);
-    exchange_and_push(step, rates, motion, memory.step);
-    if (dab.stands && rates.squeeze_per_mm > 0) {
-        find_outwards(brush.standing(dab, box.x0, box.y0), step, memory.outwards);
-        squeeze_out(step, memory.outwards, rates.squeeze_per_mm, rates.film_mm, memory.step);
+    // Gives the pixels under the brush.
+    double take(const Dab& wanted, const Region& box) {
+        brush_.turn_to(wanted.rotation_rad);
+        brush_.weigh(wanted.step);
+        const Dab dab = with_loads(brush_, wanted, box);
+        find_underside(dab, box);
+        window_.attach(step_, box.x0, box.y0);
+        attach_loads(box);
+        const TransferRates rates = rates_of(brush_, dab, mm_per_pixel_);
+        const BrushMotion motion = motion_of(dab, box);
+        step_.sides = brush_.sides(dab, box.x0, box.y0);
+        find_lanes(dab);
+        if (brush_.settings().shape == "knife") lift_onto_face(step_, kFace_mm, kClimbs);
+        exchange_and_push(step_, rates, motion, memory_.step);
+        if (dab.stands && rates.squeeze_per_mm > 0) {
+            find_outwards(brush_.standing(dab, box.x0, box.y0), step_, memory_.outwards);
+            squeeze_out(step_, memory_.outwards, rates.squeeze_per_mm, rates.film_mm, memory_.step);
+        }
+        double pixels = 0;
+        for (const RowSpan& span : step_.bristles) pixels += span.end - span.begin;
+        return pixels;
     }
-    double pixels = 0;
-    for (const RowSpan& span : step.bristles) pixels += span.end - span.begin;
-    return pixels;
-}
+
+private:
+    void find_underside(const Dab& dab, const Region& box) {
+        std::vector<float>& underside = memory_.underside;
+        const std::size_t area =
+            static_cast<std::size_t>(box.width()) * static_cast<std::size_t>(box.height());
+        underside.resize(2 * area);
+        brush_.underside_mm(dab, box, underside.data(), underside.data() + area, step_.bristles);
+        step_.width = box.width();
+        step_.height = box.height();
+        step_.underside_mm = underside.data();
+        step_.cover = underside.data() + area;
+        step_.underside_stride = static_cast<std::size_t>(box.width());
+    }
+
+    void attach_loads(const Region& box) {
+        step_.load_stride = static_cast<std::size_t>(brush_.grid_size());
+        const std::size_t corner =
+            static_cast<std::size_t>(brush_.grid_half() - box.height() / 2) * step_.load_stride +
+            static_cast<std::size_t>(brush_.grid_half() - box.width() / 2);
+        for (const IngredientId id : window_.ingredients()) brush_.load_plane(id);
+        step_.load.clear();
+        for (const IngredientId id : window_.ingredients())
+            step_.load.push_back(brush_.load_plane(id) + corner);
+        step_.load_total_mm = brush_.load_total() + corner;
+    }
+
+    BrushMotion motion_of(const Dab& dab, const Region& box) const {
+        double x, y;
+        brush_.contact_centre(dab, x, y);
+        const float way = dab.stands ? 0 : dab.length_px;
+        return {dab.dx * way, dab.dy * way, dab.turn_rad, static_cast<float>(x - box.x0),
+                static_cast<float>(y - box.y0)};
+    }
+
+    // Bristles side by side, which give and press differently.
+    void find_lanes(const Dab& dab) {
+        step_.lanes = {};
+        if (!dab.stands) {
+            const auto grain = static_cast<float>(brush_.settings().grain);
+            step_.lanes = lanes_at(dab.way_px, std::max(step_.sides.left_px, step_.sides.right_px),
+                                   static_cast<float>(brush_.settings().bristle_mm / mm_per_pixel_), grain,
+                                   seed_, memory_.lanes);
+            const float way_mm = dab.way_px * static_cast<float>(mm_per_pixel_);
+            step_.sides.left_bears = side_bears(way_mm, grain, seed_, -1);
+            step_.sides.right_bears = side_bears(way_mm, grain, seed_, 1);
+        } else if (dab.side != 0) {
+            step_.lanes = ramp_of(dab.side, step_.sides.right_px, memory_.lanes);
+        }
+    }
+
+    PaintWindow& window_;
+    Brush& brush_;
+    const double mm_per_pixel_;
+    const std::uint64_t seed_;
+    DabMemory& memory_;
+    StepBox& step_;
+};
 
 }  // namespace
 
@@ -141,11 +177,12 @@ double paint_dabs(Canvas& canvas, Brush& brush, std::span<const Dab> dabs, std::
             above.push_back(other.met(canvas.wet(), brush, dabs[i], box_of(brush, dabs[i])));
         const int ride = std::max(static_cast<int>(brush.settings().size_mm / canvas.mm_per_pixel() / 4), 2);
         PaintWindow window(canvas, window_region, brush.ingredients(), ride, above.back(), memory.window);
+        WindowSteps steps(window, brush, canvas.mm_per_pixel(), seed, memory);
         for (std::size_t i = begin; i < end; ++i) {
             const Region box = box_of(brush, dabs[i]);
             if (!touches(box, canvas)) continue;
             memory.box.laid_above = above[i - begin];
-            pixels += one_step(window, brush, dabs[i], box, canvas.mm_per_pixel(), seed, memory);
+            pixels += steps.take(dabs[i], box);
         }
         window.store(canvas);
         begin = end;

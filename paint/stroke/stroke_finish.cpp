@@ -85,8 +85,7 @@ void Stroke::relax(const Dab& last) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::vector<float>& underside = memory_.underside;
     underside.resize(2 * pixels);
-    brush_.underside_mm(last, box.x0, box.y0, width, height, underside.data(), underside.data() + pixels,
-                        step.bristles);
+    brush_.underside_mm(last, box, underside.data(), underside.data() + pixels, step.bristles);
     std::fill(underside.begin(), underside.end(), kOutside);  // the bristles are gone
     step.underside_mm = underside.data();
     step.underside_stride = static_cast<std::size_t>(width);

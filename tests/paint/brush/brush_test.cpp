@@ -21,7 +21,7 @@ std::vector<float> underside(const Brush& brush, const Dab& dab, int half,
     std::vector<float> out(static_cast<std::size_t>((2 * half + 1) * (2 * half + 1)));
     std::vector<float> cover(out.size());
     std::vector<RowSpan> rows;
-    brush.underside_mm(dab, -half, -half, 2 * half + 1, 2 * half + 1, out.data(), cover.data(), rows);
+    brush.underside_mm(dab, {-half, -half, half + 1, half + 1}, out.data(), cover.data(), rows);
     if (spans) *spans = rows;
     if (covered) *covered = cover;
     return out;
