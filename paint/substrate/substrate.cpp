@@ -128,8 +128,15 @@ struct Thread {
     int number;
 };
 
-Thread thread_at(const Weave& w, const Piece& piece, float across, float along, float across_size,
-                 float along_size, bool warp) {
+// A place in a piece, as one set of threads has it [mm].
+struct ThreadPlace {
+    float across, along;            // these threads
+    float across_size, along_size;  // of the piece
+    bool warp;
+};
+
+Thread thread_at(const Weave& w, const Piece& piece, const ThreadPlace& place) {
+    const auto [across, along, across_size, along_size, warp] = place;
     // An even number of threads each way, so that over and under match where the piece repeats.
     const int threads = std::max(2, 2 * static_cast<int>(std::lround(across_size / w.pitch_mm / 2)));
     const int crossings = std::max(2, 2 * static_cast<int>(std::lround(along_size / w.pitch_mm / 2)));
@@ -173,8 +180,8 @@ Spot weave_at(const Weave& w, const Piece& piece, float x, float y) {
     const float pull = 0.4f * w.irregular * w.pitch_mm;
     const float px = x + pull * piece.felt(x, y, 16 * w.pitch_mm, 26),
                 py = y + pull * piece.felt(x, y, 16 * w.pitch_mm, 27);
-    const Thread warp = thread_at(w, piece, px, py, piece.width_mm, piece.height_mm, true);
-    const Thread weft = thread_at(w, piece, py, px, piece.height_mm, piece.width_mm, false);
+    const Thread warp = thread_at(w, piece, {px, py, piece.width_mm, piece.height_mm, true});
+    const Thread weft = thread_at(w, piece, {py, px, piece.height_mm, piece.width_mm, false});
     const bool on_warp = warp.height > weft.height;
     const Thread& top = on_warp ? warp : weft;
     Spot spot;
