@@ -82,6 +82,55 @@ void set_scattering(Pigment& pigment, const std::array<double, kBands>& k_over_s
     with(high / static_cast<double>(hiding_mm));
 }
 
+// What a masstone and its tint with white tell of a paint.
+struct TintSolution {
+    std::array<double, kBands> q_masstone{}, s{};  // K/S of the masstone, and S; 0 where nothing tells it
+    int told = 0;                                  // bands that tell S
+    int contradictions = 0;                        // of these: no S explains them
+    int same = 0;                                  // bands in which the tint is the masstone
+};
+
+TintSolution solved_tint(const Spectrum& masstone, const Spectrum& tint, double c, const Pigment& white) {
+    TintSolution solution;
+    for (std::size_t band = 0; band < kBands; ++band) {
+        const double kw = white.k[band], sw = white.s[band];
+        const double q = solution.q_masstone[band] = opaque_k_over_s(masstone[band]),
+                     q_tint = opaque_k_over_s(tint[band]);
+        // (c K + (1-c) Kw) / (c S + (1-c) Sw) = q_tint with K = q S.
+        const double from_white = (1 - c) * (q_tint * sw - kw), against = c * (q - q_tint);
+        const double q_white = kw / sw;
+        if (std::abs(q - q_white) < 0.05 * (q + q_white)) continue;
+        if (std::abs(q - q_tint) < 0.01 * q) {
+            ++solution.same;
+            continue;
+        }
+        ++solution.told;
+        const double solved = from_white / against;
+        if (!(solved > 0)) {
+            ++solution.contradictions;
+            continue;
+        }
+        solution.s[band] = std::clamp(solved, kLeastScattering * sw, kMostScattering * sw);
+    }
+    return solution;
+}
+
+// Throws Error where a tint says nothing of its paint, or contradicts the masstone.
+void require_told(const TintSolution& solution, const std::string& name, const std::string& white) {
+    if (solution.same > solution.told)
+        fail(
+            "paint '{}': its tint is its masstone in {} of {} bands: where there is no '{}' in it, nothing "
+            "tells how "
+            "the paint scatters. Give the reflectance of a mixture, or leave the tint out",
+            name, solution.same, solution.told + solution.same, white);
+    if (solution.contradictions > solution.told / 2)
+        fail(
+            "paint '{}': its tint is no mixture of its masstone with '{}' in {} of {} bands: masstone and "
+            "tint may be "
+            "exchanged, or measured with the specular reflection",
+            name, white, solution.contradictions, solution.told);
+}
+
 }  // namespace
 
 std::string_view name_of(PigmentOrigin origin) {
@@ -104,50 +153,16 @@ Pigment pigment_of_tint(std::string name, const Spectrum& masstone, const Spectr
     require_reflectance(name, "the tint", tint);
     if (!(concentration > 0 && concentration < 1))
         fail("paint '{}': concentration {} of the tint is outside of (0, 1)", name, concentration);
-
-    std::array<double, kBands> q_masstone{}, s{};
-    const double c = concentration;
-    int told = 0, contradictions = 0, same = 0;
-    for (std::size_t band = 0; band < kBands; ++band) {
-        const double kw = white.k[band], sw = white.s[band];
-        const double q = q_masstone[band] = opaque_k_over_s(masstone[band]),
-                     q_tint = opaque_k_over_s(tint[band]);
-        // (c K + (1-c) Kw) / (c S + (1-c) Sw) = q_tint with K = q S.
-        const double from_white = (1 - c) * (q_tint * sw - kw), against = c * (q - q_tint);
-        const double q_white = kw / sw;
-        if (std::abs(q - q_white) < 0.05 * (q + q_white)) continue;
-        if (std::abs(q - q_tint) < 0.01 * q) {
-            ++same;
-            continue;
-        }
-        ++told;
-        const double solved = from_white / against;
-        if (!(solved > 0)) {
-            ++contradictions;
-            continue;
-        }
-        s[band] = std::clamp(solved, kLeastScattering * sw, kMostScattering * sw);
-    }
-    if (same > told)
-        fail(
-            "paint '{}': its tint is its masstone in {} of {} bands: where there is no '{}' in it, nothing "
-            "tells how "
-            "the paint scatters. Give the reflectance of a mixture, or leave the tint out",
-            name, same, told + same, white.name);
-    if (contradictions > told / 2)
-        fail(
-            "paint '{}': its tint is no mixture of its masstone with '{}' in {} of {} bands: masstone and "
-            "tint may be "
-            "exchanged, or measured with the specular reflection",
-            name, white.name, contradictions, told);
-    fill_scattering(s, white);
+    TintSolution solution = solved_tint(masstone, tint, concentration, white);
+    require_told(solution, name, white.name);
+    fill_scattering(solution.s, white);
 
     Pigment pigment;
     pigment.name = std::move(name);
     pigment.origin = PigmentOrigin::masstone_and_tint;
     for (std::size_t band = 0; band < kBands; ++band) {
-        pigment.s[band] = static_cast<float>(s[band]);
-        pigment.k[band] = static_cast<float>(s[band] * q_masstone[band]);
+        pigment.s[band] = static_cast<float>(solution.s[band]);
+        pigment.k[band] = static_cast<float>(solution.s[band] * solution.q_masstone[band]);
     }
     return pigment;
 }
