@@ -137,10 +137,42 @@ TP_INLINE void load(T& value, const float* from) {
     std::memcpy(&value, from, sizeof value);
 }
 
-// As many pixels of all ingredients as T holds, from x on. Where there is no upper film, bits are those of
-// apply_some(): how steps are grouped to windows does not show.
+// [mm] Of a pixel's films, all ingredients together.
 template <class T>
-TP_INLINE void apply_films_some(int x, const FilmsRow& r) {
+struct FilmSums {
+    T mixed{}, upper{};
+};
+
+template <class T>
+TP_INLINE FilmSums<T> films_at(int x, const SharedRow& row) {
+    FilmSums<T> films;
+    const auto [count, paint, on_bristles] = row;  // a copy, which nothing that is written can change
+    for (std::size_t i = 0; i < count; ++i) {
+        T m, u;
+        load(m, paint[2 * i] + x);
+        load(u, paint[2 * i + 1] + x);
+        films.mixed += m;
+        films.upper += u;
+    }
+    // Rounding may leave a little less than nothing.
+    const T zero{};
+    films.mixed = films.mixed > zero ? films.mixed : zero;
+    films.upper = films.upper > zero ? films.upper : zero;
+    return films;
+}
+
+// [1] What moves between bristles and films, of each ingredient alike.
+template <class T>
+struct FilmMoves {
+    T give;                      // of the load
+    T above;                     // of what is given: into the upper film
+    T upper_taken, mixed_taken;  // of the films
+    T sinking;                   // of the upper film, then
+    T upper_stirred, mixed_stirred;
+};
+
+template <class T>
+TP_INLINE FilmMoves<T> moves_at(int x, const FilmsRow& r) {
     const T zero{}, one = zero + 1.0f;
     T give, take, underside, relief, open, cover, total, held;
     load(give, r.give + x);
@@ -151,38 +183,40 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r) {
     load(cover, r.cover + x);
     load(total, r.total + x);
     load(held, r.load_total + x);
-    T mixed{}, upper{};                                 // [mm]
-    const auto [count, paint, on_bristles] = r.shared;  // a copy, which nothing that is written can change
-    for (std::size_t i = 0; i < count; ++i) {
-        T m, u;
-        load(m, paint[2 * i] + x);
-        load(u, paint[2 * i + 1] + x);
-        mixed += m;
-        upper += u;
-    }
-    // Rounding may leave a little less than nothing.
-    mixed = mixed > zero ? mixed : zero;
-    upper = upper > zero ? upper : zero;
-    held = held > zero ? held : zero;
+    const auto [mixed, upper] = films_at<T>(x, r.shared);
+    held = held > zero ? held : zero;  // rounding
     // How far bristles dip into the paint.
     const T dip = one - (underside - relief - total) * r.per_reach, dips = dip > zero ? dip : zero;
     const T dipped = (dips < one ? dips : one) * open * cover;
-    const T above = r.laid_above ? one : (upper > zero ? one : zero);
+    FilmMoves<T> moves;
+    const T above = moves.above = r.laid_above ? one : (upper > zero ? one : zero);
     // They change places with it: what they bring stays, and they carry on what was there.
     const T all = upper + mixed, wanted = take * all, first = wanted < upper ? wanted : upper;
     const T left = (one - give) * held;
     const T swapped = above * r.swap * dipped * (left < mixed ? left : mixed), both = wanted + swapped;
     const T taken = both < all ? both : all;
     give += swapped / (held + kTiny);
-    const T upper_taken = first / (upper + kTiny);
-    const T mixed_taken = above > zero ? (taken - first) / (mixed + kTiny) : take;
+    moves.give = give;
+    moves.upper_taken = first / (upper + kTiny);
+    moves.mixed_taken = above > zero ? (taken - first) / (mixed + kTiny) : take;
     // What is laid pushes as much down as there is too much of it.
     const T laid = give * held, laid_on = above * laid, u1 = upper - first + laid_on;
     const T excess = u1 > kUpper_mm ? u1 - kUpper_mm : zero, sunk = excess < laid_on ? excess : laid_on;
-    const T sinking = sunk / (u1 + kTiny), u2 = u1 - sunk;
+    moves.sinking = sunk / (u1 + kTiny);
+    const T u2 = u1 - sunk;
     const T rest = mixed - (taken - first) + (laid - laid_on) + sunk, m2 = rest > zero ? rest : zero;
     const T stirred = r.stir * dipped * (u2 < m2 ? u2 : m2);
-    const T upper_stirred = stirred / (u2 + kTiny), mixed_stirred = stirred / (m2 + kTiny);
+    moves.upper_stirred = stirred / (u2 + kTiny);
+    moves.mixed_stirred = stirred / (m2 + kTiny);
+    return moves;
+}
+
+// As many pixels of all ingredients as T holds, from x on. Where there is no upper film, bits are those of
+// apply_some(): how steps are grouped to windows does not show.
+template <class T>
+TP_INLINE void apply_films_some(int x, const FilmsRow& r) {
+    const FilmMoves<T> moves = moves_at<T>(x, r);
+    const auto [count, paint, on_bristles] = r.shared;  // a copy, which nothing that is written can change
     T sum{}, load_sum{};
     for (std::size_t i = 0; i < count; ++i) {
         float *at_mixed = paint[2 * i] + x, *at_upper = paint[2 * i + 1] + x, *at_brush = on_bristles[i] + x;
@@ -190,15 +224,15 @@ TP_INLINE void apply_films_some(int x, const FilmsRow& r) {
         load(m, at_mixed);
         load(u, at_upper);
         load(on_brush, at_brush);
-        const T given = give * on_brush, onto = above * given;
-        const T to_upper = onto - upper_taken * u, to_mixed = (given - onto) - mixed_taken * m;
+        const T given = moves.give * on_brush, onto = moves.above * given;
+        const T to_upper = onto - moves.upper_taken * u, to_mixed = (given - onto) - moves.mixed_taken * m;
         on_brush -= to_mixed + to_upper;
         u += to_upper;
         m += to_mixed;
-        const T sinks = sinking * u;
+        const T sinks = moves.sinking * u;
         u -= sinks;
         m += sinks;
-        const T up = mixed_stirred * m - upper_stirred * u;
+        const T up = moves.mixed_stirred * m - moves.upper_stirred * u;
         u += up;
         m -= up;
         std::memcpy(at_mixed, &m, sizeof m);

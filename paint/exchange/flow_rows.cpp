@@ -28,6 +28,106 @@ TP_INLINE float downhill(const TransferRates& r, float yield_mm, float w, float 
                     kRounding * std::max(std::min(bulge, drop), std::min(pit, mobile)));
 }
 
+// [1] Parts of a pixel's paint that go to its neighbours.
+struct Shares {
+    float left, right, up, down, ahead;
+};
+
+// [mm] Of what is dry and wet: here, at the neighbours, and behind these.
+struct TopsAround {
+    float here, left, right, up, down, left2, right2, up2, down2;
+};
+
+// What flows by itself of `w` [mm], the paint there.
+TP_INLINE Shares flowing(const TransferRates& r, float w, const TopsAround& t) {
+    const float part = 1 / (w + kTiny);
+    const float to_l = t.here - t.left, to_r = t.here - t.right, to_u = t.here - t.up, to_d = t.here - t.down;
+    const float flowing = std::max(w - r.stay_mm, 0.0f);
+    const float bulge = std::min(0.5f * (to_l + to_r + to_u + to_d) - r.bulge_mm, flowing);
+    const float mobile = std::max(w - r.still_mm, 0.0f);
+    // What it holds is the slope, whichever way it goes: along either axis the less, the steeper the other.
+    const float yield = r.yield_mm;
+    const float yield_x = std::max(yield - kOctagon * std::max(to_u, to_d), kDiagonal * yield);
+    const float yield_y = std::max(yield - kOctagon * std::max(to_l, to_r), kDiagonal * yield);
+    const float along_x = std::min(yield_x, yield), along_y = std::min(yield_y, yield);
+    return {downhill(r, along_x, flowing, mobile, bulge, to_l, t.left2 - t.here) * part,
+            downhill(r, along_x, flowing, mobile, bulge, to_r, t.right2 - t.here) * part,
+            downhill(r, along_y, flowing, mobile, bulge, to_u, t.up2 - t.here) * part,
+            downhill(r, along_y, flowing, mobile, bulge, to_d, t.down2 - t.here) * part, 0.0f};
+}
+
+// What bristles squeeze out along a row, by where it is across the brush.
+struct RowSqueeze {
+    float ax, ay, a0, right_px, left_px, per_band, left, right;
+    float both;  // [1] |ax| + |ay|
+};
+
+TP_INLINE RowSqueeze squeeze_of(const TransferRates& r, const BrushSides& s) {
+    const float squeeze = s.band_px > 0 ? r.squeeze_per_mm : 0.0f;
+    return {s.ax,
+            s.ay,
+            s.a0,
+            s.right_px,
+            s.left_px,
+            1 / std::max(s.band_px, 1.0f),
+            squeeze * s.left_bears,
+            squeeze * s.right_bears,
+            std::abs(s.ax) + std::abs(s.ay)};
+}
+
+struct Squeezed {
+    float part;  // [1]
+    float x, y;  // of it, along the row and across it
+};
+
+// What they squeeze out: the faster the nearer it is to where the pressure ends, and no further.
+TP_INLINE Squeezed squeezed(const RowSqueeze& s, int x, float underside, float above_film, float rest) {
+    const float across_px = s.a0 + s.ax * static_cast<float>(x);
+    const float beyond_px = std::max(across_px - s.right_px, -across_px - s.left_px);
+    const float near = std::min(std::max(1 + beyond_px * s.per_band, 0.0f), 1.0f);
+    const float speed =
+        underside < kOutside ? near * near * std::min(std::max(1 - beyond_px, 0.0f), 1.0f) : 0.0f;
+    const float part =
+        std::min((across_px > 0 ? s.right : s.left) * above_film, kMostSqueezed) * speed * rest;
+    const float outwards = across_px > 0 ? part : -part;
+    return {part, outwards * s.ax, outwards * s.ay};
+}
+
+// How bristles push along a row.
+struct RowPush {
+    float part, spread;       // [1]
+    float to_left, to_right;  // [1] of what is pushed along the row
+    float forward, vy, turn, sy;
+};
+
+TP_INLINE RowPush push_of(const TransferRates& r, const RowMotion& m) {
+    const float to_left = std::min(std::max(-m.vx, 0.0f), 1.0f),
+                to_right = std::min(std::max(m.vx, 0.0f), 1.0f);
+    return {r.push,
+            r.spread,
+            to_left,
+            to_right,
+            m.sx < 0 ? to_left : to_right,
+            m.vy,
+            m.turn,
+            static_cast<float>(m.sy)};
+}
+
+// Where what is pushed goes: along the motion, and to where bristles press less; `dx` and `dy` [mm]: by how
+// much the underside rises over two pixels.
+TP_INLINE Shares pushed_to(const RowPush& p, int x, float pushed, float dx, float dy) {
+    const float gx = p.spread * std::min(std::max(dx * 4.0f, -1.0f), 1.0f);
+    const float gy = p.spread * std::min(std::max(dy * 4.0f, -1.0f), 1.0f);
+    const float scale = pushed / (1 + std::abs(gx) + std::abs(gy));
+    const float vy = std::min(std::max(p.vy + p.turn * static_cast<float>(x), -1.0f), 1.0f);
+    const float on = std::max(vy * p.sy, 0.0f), diagonal = p.forward * on;
+    const float beside = 1 - on, straight = 1 - (p.to_left + p.to_right);
+    return {(p.to_left * beside + std::max(-gx, 0.0f)) * scale,
+            (p.to_right * beside + std::max(gx, 0.0f)) * scale,
+            (std::max(-vy, 0.0f) * straight + std::max(-gy, 0.0f)) * scale,
+            (std::max(vy, 0.0f) * straight + std::max(gy, 0.0f)) * scale, diagonal * scale};
+}
+
 template <class T>
 TP_INLINE void load(T& value, const float* from) {
     std::memcpy(&value, from, sizeof value);
@@ -119,76 +219,40 @@ void outflow_row(int n, const TransferRates& rates, const RowMotion& m, const Br
                  const float* __restrict underside, std::size_t underside_stride, const float* __restrict top,
                  std::size_t top_stride, const float* __restrict total, const float* __restrict open,
                  std::size_t stride, const Outflow& out) {
-    const TransferRates r = rates;  // a copy, which nothing that is written can change
-    const float film = r.film_mm, push = r.push, spread = r.spread, most_bulge = r.bulge_mm,
-                still = r.still_mm, stay = r.stay_mm, yield = r.yield_mm;
+    // Copies, which nothing that is written can change.
+    const TransferRates r = rates;
+    const RowSqueeze squeeze = squeeze_of(r, s);
+    const RowPush push = push_of(r, m);
     float* __restrict left = out.left, * __restrict right = out.right, * __restrict up = out.up, * __restrict down = out.down, * __restrict ahead = out.ahead;
     const float *b_up = underside - underside_stride, *b_down = underside + underside_stride;
     const float *t_up = top - top_stride, *t_down = top + top_stride, *t_up2 = t_up - top_stride,
                 *t_down2 = t_down + top_stride, *o_up = open - stride, *o_down = open + stride;
     const float* o_ahead = (m.sy < 0 ? o_up : o_down) + m.sx;
-    const float to_left = std::min(std::max(-m.vx, 0.0f), 1.0f),
-                to_right = std::min(std::max(m.vx, 0.0f), 1.0f);
-    const float across = to_left + to_right, forward = m.sx < 0 ? to_left : to_right, vy0 = m.vy,
-                turn = m.turn, sy = static_cast<float>(m.sy);
-    const float ax = s.ax, ay = s.ay, a0 = s.a0, right_px = s.right_px, left_px = s.left_px,
-                per_band = 1 / std::max(s.band_px, 1.0f), squeeze = s.band_px > 0 ? r.squeeze_per_mm : 0.0f,
-                squeeze_left = squeeze * s.left_bears, squeeze_right = squeeze * s.right_bears,
-                both = std::abs(ax) + std::abs(ay);
     for (int x = 0; x < n; ++x) {
         // What lies where brushes may not work stays there.
-        const float lying = total[x], w = open[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny), here = top[x];
-        const float to_l = here - top[x - 1], to_r = here - top[x + 1], to_u = here - t_up[x],
-                    to_d = here - t_down[x];
-        const float flowing = std::max(w - stay, 0.0f);
-        const float bulge = std::min(0.5f * (to_l + to_r + to_u + to_d) - most_bulge, flowing);
-        const float mobile = std::max(w - still, 0.0f);
-        // What it holds is the slope, whichever way it goes: along either axis the less, the steeper the
-        // other.
-        const float yield_x = std::max(yield - kOctagon * std::max(to_u, to_d), kDiagonal * yield);
-        const float yield_y = std::max(yield - kOctagon * std::max(to_l, to_r), kDiagonal * yield);
-        const float along_x = std::min(yield_x, yield), along_y = std::min(yield_y, yield);
-        float l = downhill(r, along_x, flowing, mobile, bulge, to_l, top[x - 2] - here) * part;
-        float rr = downhill(r, along_x, flowing, mobile, bulge, to_r, top[x + 2] - here) * part;
-        float u = downhill(r, along_y, flowing, mobile, bulge, to_u, t_up2[x] - here) * part;
-        float d = downhill(r, along_y, flowing, mobile, bulge, to_d, t_down2[x] - here) * part;
+        // (Read before it is chosen: loops without branches become vector instructions.)
+        const float lying = total[x], w = open[x] > 0 ? lying : 0.0f, part = 1 / (w + kTiny);
+        const Shares flows = flowing(r, w,
+                                     {top[x], top[x - 1], top[x + 1], t_up[x], t_down[x], top[x - 2],
+                                      top[x + 2], t_up2[x], t_down2[x]});
         // What the bristles push: along the motion, and to where they press less.
-        const float excess = std::min(std::max(here - underside[x], 0.0f), std::max(w - film, 0.0f));
-        // What they squeeze out: the faster the nearer it is to where the pressure ends, and no further.
-        const float across_px = a0 + ax * static_cast<float>(x);
-        const float beyond_px = std::max(across_px - right_px, -across_px - left_px);
-        const float near = std::min(std::max(1 + beyond_px * per_band, 0.0f), 1.0f);
-        const float speed =
-            underside[x] < kOutside ? near * near * std::min(std::max(1 - beyond_px, 0.0f), 1.0f) : 0.0f;
-        const float rest = 1 - (l + rr + u + d);
-        const float squeezed =
-            std::min((across_px > 0 ? squeeze_right : squeeze_left) * std::max(w - film, 0.0f),
-                     kMostSqueezed) *
-            speed * rest;
-        const float outwards = across_px > 0 ? squeezed : -squeezed, out_x = outwards * ax,
-                    out_y = outwards * ay;
-        const float pushed = push * excess * part * (rest - squeezed * both);
-        const float gx =
-            spread * std::min(std::max((underside[x + 1] - underside[x - 1]) * 4.0f, -1.0f), 1.0f);
-        const float gy = spread * std::min(std::max((b_down[x] - b_up[x]) * 4.0f, -1.0f), 1.0f);
-        const float scale = pushed / (1 + std::abs(gx) + std::abs(gy));
-        const float vy = std::min(std::max(vy0 + turn * static_cast<float>(x), -1.0f), 1.0f);
-        const float on = std::max(vy * sy, 0.0f), diagonal = forward * on;
-        const float beside = 1 - on, straight = 1 - across;
-        l += (to_left * beside + std::max(-gx, 0.0f)) * scale;
-        rr += (to_right * beside + std::max(gx, 0.0f)) * scale;
-        u += (std::max(-vy, 0.0f) * straight + std::max(-gy, 0.0f)) * scale;
-        d += (std::max(vy, 0.0f) * straight + std::max(gy, 0.0f)) * scale;
-        l += std::max(-out_x, 0.0f);
-        rr += std::max(out_x, 0.0f);
-        u += std::max(-out_y, 0.0f);
-        d += std::max(out_y, 0.0f);
+        const float above_film = std::max(w - r.film_mm, 0.0f);
+        const float excess = std::min(std::max(top[x] - underside[x], 0.0f), above_film);
+        const float rest = 1 - (flows.left + flows.right + flows.up + flows.down);
+        const Squeezed out_of = squeezed(squeeze, x, underside[x], above_film, rest);
+        const float pushed = push.part * excess * part * (rest - out_of.part * squeeze.both);
+        const Shares shared =
+            pushed_to(push, x, pushed, underside[x + 1] - underside[x - 1], b_down[x] - b_up[x]);
+        const float l = flows.left + shared.left + std::max(-out_of.x, 0.0f);
+        const float rr = flows.right + shared.right + std::max(out_of.x, 0.0f);
+        const float u = flows.up + shared.up + std::max(-out_of.y, 0.0f);
+        const float d = flows.down + shared.down + std::max(out_of.y, 0.0f);
         // Nothing leaves the canvas.
         left[x] = open[x - 1] > 0 ? l : 0.0f;
         right[x] = open[x + 1] > 0 ? rr : 0.0f;
         up[x] = o_up[x] > 0 ? u : 0.0f;
         down[x] = o_down[x] > 0 ? d : 0.0f;
-        ahead[x] = o_ahead[x] > 0 ? diagonal * scale : 0.0f;
+        ahead[x] = o_ahead[x] > 0 ? shared.ahead : 0.0f;
     }
 }
 
