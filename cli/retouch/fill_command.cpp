@@ -26,8 +26,9 @@ nlohmann::json run_fill(const FillArguments& a) {
     refuse_over_unsaved(treatment);
     const StepArea area = a.area.step_area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
-    nlohmann::json result = fill_step(treatment, canvas, area, *texture, Rgb(rgb[0], rgb[1], rgb[2]), a.fill,
-                                      a.author.author(), progress);
+    nlohmann::json result =
+        fill_step(treatment, canvas, area, {*texture, Rgb(rgb[0], rgb[1], rgb[2]), a.fill}, a.author.author(),
+                  progress);
     if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
     return result;
 }
@@ -46,8 +47,9 @@ nlohmann::json run_varnish(const VarnishArguments& a) {
     refuse_over_unsaved(treatment);
     const StepArea area = a.area.step_area(treatment);
     Canvas canvas = treatment.read_canvas(progress);
-    nlohmann::json result = varnish_step(treatment, canvas, a.isolating, a.area.empty() ? nullptr : &area,
-                                         a.varnish, a.author.author(), progress);
+    nlohmann::json result =
+        varnish_step(treatment, canvas, {a.isolating, a.area.empty() ? nullptr : &area, a.varnish},
+                     a.author.author(), progress);
     if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>());
     return result;
 }

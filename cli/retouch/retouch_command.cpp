@@ -243,7 +243,7 @@ nlohmann::json run_retouch(RetouchArguments a) {
     Retouched on = load(a, progress);
 
     const RetouchReport report = lay_retouch(on.canvas, box.palette, on.mask, on.spoilt,
-                                             *retouch_mode_named(a.mode), on.layer, a.options, progress);
+                                             {*retouch_mode_named(a.mode), on.layer, a.options}, progress);
     const RetouchViews views = retouch_views(diffuse_in(on.canvas, on.canvas.region()), on.mask, report);
 
     nlohmann::json result = result_of(a, on, box, report, views);

@@ -124,9 +124,9 @@ json retouch(Treatment& treatment, const TreatmentArguments& a, const Progress& 
         step.parameters["palette"] = session.palette().name;
     }
     const std::size_t before = step.results.contains("warnings") ? step.results["warnings"].size() : 0;
-    json result = retouch_step(treatment, canvas, area, std::move(step),
-                               a.strokes.empty() ? treatment.painting().string() : a.strokes,
-                               a.author.author(), progress);
+    const std::string source = a.strokes.empty() ? treatment.painting().string() : a.strokes;
+    json result =
+        retouch_step(treatment, canvas, {area, std::move(step), source}, a.author.author(), progress);
     if (result.contains("warnings")) told(result["warnings"].get<std::vector<std::string>>(), before);
     return result;
 }

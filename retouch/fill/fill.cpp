@@ -4,14 +4,10 @@
 #include <array>
 #include <cmath>
 #include <mutex>
-#include <opencv2/imgproc.hpp>
 
-#include "retouch/fill/surroundings.h"
-#include "retouch/fill/texture_synthesis.h"
+#include "retouch/fill/fill_patch.h"
 #include "surface/base/error.h"
-#include "surface/base/noise.h"
 #include "surface/base/parallel.h"
-#include "surface/image/opencv_view.h"
 
 namespace tangi {
 
@@ -20,174 +16,6 @@ namespace {
 constexpr float kNothing_mm = 1e-5f;  // rounding of heights of some mm: what was filled before is level
 
 constexpr int kSize = PaintTile::kSize;
-
-// One region of a loss with what is around it, as pictures of their own.
-struct Patch {
-    Region box;
-    Mask unknown;                          // the region and its rim
-    Image<float> level_mm;                 // what the fill is to reach
-    std::vector<std::array<int, 2>> ring;  // pixels of the canvas around, which tell the level
-};
-
-constexpr int kMostShifts = 160;  // along a side, that are tried first
-
-// How far relief may be taken from: another place, or none.
-struct Shift {
-    int x = 0, y = 0;
-    bool found = false;
-};
-
-struct PatchSearch {
-    const Image<float>& detail_mm;  // the fine relief of the whole canvas
-    const Mask& usable;             // where relief may come from
-};
-
-// The place nearby whose relief fits the ring around the patch best: least mean squared difference of the
-// fine relief on the ring, of which half must be usable there, and all of the patch. Of a wide reach every
-// `stride`-th place is tried, at most every `phase_px`-th, then those next to the best.
-Shift best_shift(const Patch& patch, const PatchSearch& s, int reach, double phase_px) {
-    std::vector<std::array<int, 2>> inside;  // some of the patch's pixels, to see that they are usable
-    for (int y = 0; y < patch.unknown.height(); ++y)
-        for (int x = 0; x < patch.unknown.width(); ++x)
-            if (patch.unknown(x, y) > 0.5f) inside.push_back({patch.box.x0 + x, patch.box.y0 + y});
-    std::vector<std::array<int, 2>> some;
-    const std::size_t step = std::max<std::size_t>(patch.ring.size() / 400, 1);
-    for (std::size_t i = 0; i < patch.ring.size(); i += step) some.push_back(patch.ring[i]);
-    const auto usable = [&](int x, int y) {
-        return x >= 0 && y >= 0 && x < s.usable.width() && y < s.usable.height() && s.usable(x, y) > 0.5f;
-    };
-    Shift best;
-    double least = 1e30;
-    const auto search = [&](const Region& shifts, int stride) {
-        for (int dy = shifts.y0; dy < shifts.y1; dy += stride)
-            for (int dx = shifts.x0; dx < shifts.x1; dx += stride) {
-                if (!usable(inside.front()[0] + dx, inside.front()[1] + dy) ||
-                    !usable(inside.back()[0] + dx, inside.back()[1] + dy))
-                    continue;
-                double sum = 0;
-                std::size_t seen = 0;
-                for (const auto& [x, y] : some) {
-                    if (!usable(x + dx, y + dy)) continue;
-                    const auto d = static_cast<double>(s.detail_mm(x + dx, y + dy) - s.detail_mm(x, y));
-                    sum += d * d;
-                    ++seen;
-                    if (sum >= least * static_cast<double>(some.size())) break;
-                }
-                if (2 * seen < some.size() || sum >= least * static_cast<double>(seen)) continue;
-                if (!std::all_of(inside.begin(), inside.end(),
-                                 [&](const auto& p) { return usable(p[0] + dx, p[1] + dy); }))
-                    continue;
-                least = sum / static_cast<double>(seen);
-                best = {dx, dy, true};
-            }
-    };
-    const int stride = std::clamp(static_cast<int>(phase_px), 1, std::max(2 * reach / kMostShifts, 1));
-    search({-reach, -reach, reach + 1, reach + 1}, stride);
-    if (best.found && stride > 1)
-        search({best.x - stride + 1, best.y - stride + 1, best.x + stride, best.y + stride}, 1);
-    return best;
-}
-
-Image<float> fine_relief(const Image<float>& height_mm, double sigma_px) {
-    Image<float> detail(height_mm.width(), height_mm.height());
-    cv::Mat smooth;
-    cv::GaussianBlur(view_of(height_mm), smooth, {}, sigma_px, sigma_px, cv::BORDER_REFLECT);
-    for (int y = 0; y < detail.height(); ++y)
-        for (int x = 0; x < detail.width(); ++x) detail(x, y) = height_mm(x, y) - smooth.at<float>(y, x);
-    return detail;
-}
-
-// What of another place differs from its own membrane, which has the same rim as the patch. It grows from
-// `from_px` inside the rim to `to_px`: from the edge of the loss, so that the fill is flush there, where no
-// thread has to go on.
-struct Ramp {
-    float from_px = 0, to_px = 1e-3f;
-};
-
-void add_relief(Patch& patch, const Shift& shift, const Image<float>& source_mm, const Image<float>& depth_px,
-                const Ramp& ramp) {
-    Image<float> there(patch.box.width(), patch.box.height());
-    for (int y = 0; y < there.height(); ++y)
-        for (int x = 0; x < there.width(); ++x)
-            there(x, y) = source_mm.clamped(patch.box.x0 + x + shift.x, patch.box.y0 + y + shift.y);
-    Image<float> membrane = there;
-    solve_membrane(membrane, patch.unknown);
-    for (int y = 0; y < there.height(); ++y)
-        for (int x = 0; x < there.width(); ++x)
-            if (patch.unknown(x, y) > 0.5f) {
-                const float depth = depth_px(patch.box.x0 + x, patch.box.y0 + y);
-                const float part = procedural::smooth_step(ramp.from_px, ramp.to_px, depth);
-                patch.level_mm(x, y) += part * (there(x, y) - membrane(x, y));
-            }
-}
-
-// Relief made of patches whose relief, colour and gloss go on from the rim, on the level smoothed as much as
-// the relief is finer than. `wide` is the loss with its rim. Where there is no whole patch, the level stays.
-// False where there was nothing to take relief from.
-bool add_patches(Patch& patch, const Surface& dry, const Image<float>& levelled_mm, const PatchSearch& s,
-                 const Mask& wide, int reach, const Progress& progress) {
-    const Region box{std::max(patch.box.x0 - reach, 0), std::max(patch.box.y0 - reach, 0),
-                     std::min(patch.box.x1 + reach, wide.width()),
-                     std::min(patch.box.y1 + reach, wide.height())};
-    Mask hole(box.width(), box.height()), usable = hole;
-    std::vector<SynthesisChannel> channels(5, {hole});
-    for (int y = 0; y < box.height(); ++y)
-        for (int x = 0; x < box.width(); ++x) {
-            const int u = x + box.x0, v = y + box.y0;
-            usable(x, y) = s.usable(u, v);
-            hole(x, y) = s.usable(u, v) > 0.5f ? 0.0f : 1.0f;
-            const Lab lab = lab_from_linear(glm::dvec3(glm::max(dry.diffuse(u, v), Rgb(0))));
-            channels[0].values(x, y) = s.detail_mm(u, v);
-            channels[1].values(x, y) = static_cast<float>(lab.l);
-            channels[2].values(x, y) = static_cast<float>(lab.a);
-            channels[3].values(x, y) = static_cast<float>(lab.b);
-            channels[4].values(x, y) = std::log(std::max(dry.roughness(u, v), 1e-3f));
-        }
-    // Relief counts as much as colour; gloss, which is noisier, half as much.
-    const float relief = std::max(spread_of(channels[0].values, usable), 1e-6f);
-    const float colour =
-        std::max({spread_of(channels[1].values, usable), spread_of(channels[2].values, usable),
-                  spread_of(channels[3].values, usable), 1e-3f});
-    const float gloss = 2 * std::max(spread_of(channels[4].values, usable), 1e-3f);
-    const std::array<float, 5> units = {relief, colour, colour, colour, gloss};
-    for (std::size_t c = 0; c < channels.size(); ++c)
-        for (float& value : channels[c].values.pixels()) value /= units[c];
-    if (!synthesise_into(channels, hole, usable, {}, progress)) return false;
-    for (int y = patch.box.y0; y < patch.box.y1; ++y)
-        for (int x = patch.box.x0; x < patch.box.x1; ++x)
-            if (wide(x, y) > 0.5f)
-                patch.level_mm(x - patch.box.x0, y - patch.box.y0) =
-                    levelled_mm(x, y) - s.detail_mm(x, y) +
-                    relief * channels[0].values(x - box.x0, y - box.y0);
-    return true;
-}
-
-// A region of a loss, its rim and a ring around it, with the level as a membrane through the ring.
-Patch patch_of(const Region& own, const Image<float>& relief_mm, const Mask& wide, const Mask& intact,
-               const Image<float>& depth_px, int rim_px, int ring_px) {
-    const int margin = rim_px + ring_px + 2;
-    Patch patch;
-    patch.box = {std::max(own.x0 - margin, 0), std::max(own.y0 - margin, 0),
-                 std::min(own.x1 + margin, wide.width()), std::min(own.y1 + margin, wide.height())};
-    patch.unknown = Mask(patch.box.width(), patch.box.height());
-    patch.level_mm = Image<float>(patch.box.width(), patch.box.height());
-    for (int y = patch.box.y0; y < patch.box.y1; ++y)
-        for (int x = patch.box.x0; x < patch.box.x1; ++x) {
-            patch.level_mm(x - patch.box.x0, y - patch.box.y0) = relief_mm(x, y);
-            // Other damage around tells no level either.
-            const bool known = wide(x, y) <= 0.5f && (intact.empty() || intact(x, y) > 0.5f);
-            patch.unknown(x - patch.box.x0, y - patch.box.y0) = known ? 0.0f : 1.0f;
-            if (known && -depth_px(x, y) <= static_cast<float>(ring_px)) patch.ring.push_back({x, y});
-        }
-    if (patch.ring.size() < 8)
-        fail(
-            "the loss at pixel ({}, {}) has nothing intact around it to take its level from; leave some of "
-            "the "
-            "painting round it out of the masks of damage, or fill it in parts",
-            own.x0, own.y0);
-    solve_membrane(patch.level_mm, patch.unknown);
-    return patch;
-}
 
 // [mm] rms of the steps from the outermost pixels of the regions to the nearest ones past the rim.
 double border_rms_mm(const Image<float>& filled_mm, const Mask& loss, const Mask& wide, int past_px) {
@@ -220,6 +48,147 @@ Pigment clear_resin(const VarnishOptions& o) {
             o.yellowing * std::pow(0.1, static_cast<double>(kBand_nm[band] - kBand_nm[0]) / 220));
     return resin;
 }
+
+Pigment body_of(const Filling& filling) {
+    const Rgb& colour = filling.colour;
+    Pigment body =
+        pigment_of_rgb(fmt::format("fill ({:.3g}, {:.3g}, {:.3g})", colour.r, colour.g, colour.b), colour);
+    body.specular = static_cast<float>(filling.options.specular);
+    body.roughness = static_cast<float>(filling.options.roughness);
+    return body;
+}
+
+MaskRegions regions_to_fill(const Mask& loss) {
+    MaskRegions regions = regions_of(loss);
+    if (regions.regions.empty())
+        fail("there is nothing to fill: the mask is empty, or covers no pixel by half");
+    return regions;
+}
+
+// A loss that is being filled, region by region.
+class LossFill {
+public:
+    LossFill(const Canvas& canvas, const Mask& loss, const Mask& intact, const Filling& filling)
+        : canvas_(canvas),
+          loss_(loss),
+          intact_(intact),
+          texture_(filling.texture),
+          options_(filling.options),
+          mm_(canvas.mm_per_pixel()),
+          regions_(regions_to_fill(loss)),
+          relief_(relief_of(canvas)),
+          rim_px_(std::max(options_.rim_mm / mm_, 1.5)),
+          wide_(dilated(loss, rim_px_)),
+          depth_px_(distance_inside_px(wide_)),
+          fine_px_(weave() ? std::max(options_.weave_mm / mm_, 1.0) : std::max(2 / mm_, 4.0)),
+          levelled_(relief_) {}
+
+    // First the level everywhere, so that no step of a loss is taken for relief.
+    void level(const Progress& progress) {
+        const int ring_px = weave() ? static_cast<int>(std::ceil(3 * fine_px_)) : 3 + rim();
+        const FillGround ground{relief_, wide_, intact_, depth_px_, rim(), ring_px};
+        for (const MaskRegion& region : regions_.regions) {
+            report(progress, "fill",
+                   0.5 * static_cast<double>(patches_.size()) / static_cast<double>(regions_.regions.size()));
+            patches_.push_back(patch_of(region.box, ground));
+            const FillPatch& patch = patches_.back();
+            for (int y = patch.box.y0; y < patch.box.y1; ++y)
+                for (int x = patch.box.x0; x < patch.box.x1; ++x)
+                    if (wide_(x, y) > 0.5f)
+                        levelled_(x, y) = patch.level_mm(x - patch.box.x0, y - patch.box.y0);
+        }
+    }
+
+    void add_relief(const Progress& progress) {
+        const Mask everywhere(loss_.width(), loss_.height(), 1.0f);
+        const Mask usable = without(intact_.empty() ? everywhere : intact_, wide_);
+        const Image<float> detail = fine_relief(levelled_, fine_px_);
+        const int reach = static_cast<int>(std::ceil(std::min(options_.search_mm / mm_, 400.0)));
+        const ReliefSource source{detail, usable, reach};
+        if (texture_ == FillTexture::patches)
+            make_relief(source, progress);
+        else
+            take_relief(source, progress);
+    }
+
+    // [mm] Of the fill at each pixel; counts it in `result`.
+    Image<float> thickness(FillReport& result) const {
+        result.smooth_regions = smooth_regions_;
+        result.regions = static_cast<int>(patches_.size());
+        result.area_mm2 = area_of(loss_, mm_).mm2;
+        Image<float> thickness(canvas_.width(), canvas_.height()), filled = relief_;
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            const Region& own = regions_.regions[i].box;
+            for (int y = own.y0; y < own.y1; ++y)
+                for (int x = own.x0; x < own.x1; ++x) {
+                    if (regions_.number(x, y) != static_cast<int>(i) + 1) continue;
+                    const float level = patches_[i].level_mm(x - patches_[i].box.x0, y - patches_[i].box.y0);
+                    const float wanted = level + static_cast<float>(options_.offset_mm) - relief_(x, y);
+                    ++result.pixels;
+                    result.not_reached += wanted < kNothing_mm ? 1 : 0;
+                    thickness(x, y) = wanted < kNothing_mm ? 0.0f : wanted;
+                    filled(x, y) += thickness(x, y);
+                    result.deepest_mm = std::max(result.deepest_mm, static_cast<double>(thickness(x, y)));
+                    result.volume_mm3 += static_cast<double>(thickness(x, y)) * mm_ * mm_;
+                }
+        }
+        result.border_rms_mm = border_rms_mm(filled, loss_, wide_, rim() + 1);
+        return thickness;
+    }
+
+private:
+    bool weave() const { return texture_ == FillTexture::weave; }
+    int rim() const { return static_cast<int>(std::ceil(rim_px_)); }  // [pixels]
+
+    // Of many places.
+    void make_relief(const ReliefSource& source, const Progress& progress) {
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+            report(progress, "fill",
+                   0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches_.size()));
+            if (!add_patches(patches_[i], canvas_.dry(), levelled_, source, wide_, progress))
+                ++smooth_regions_;
+        }
+    }
+
+    // Of one place for each patch.
+    void take_relief(const ReliefSource& source, const Progress& progress) {
+        const ReliefRamp flush{static_cast<float>(rim_px_), static_cast<float>(rim_px_ + 1.5 / mm_)};
+        std::mutex reporting;
+        std::size_t done = 0;
+        parallel_for(0, static_cast<int>(patches_.size()), 1, [&](int begin, int end) {
+            int smooth = 0;
+            for (int i = begin; i < end; ++i) {
+                FillPatch& patch = patches_[static_cast<std::size_t>(i)];
+                const ReliefShift shift = best_shift(patch, source, fine_px_ / 4);
+                if (shift.found)
+                    tangi::add_relief(patch, shift, weave() ? source.detail_mm : levelled_, depth_px_,
+                                      weave() ? ReliefRamp{} : flush);
+                else
+                    ++smooth;
+            }
+            const std::lock_guard lock(reporting);
+            smooth_regions_ += smooth;
+            done += static_cast<std::size_t>(end - begin);
+            report(progress, "fill",
+                   0.5 + 0.5 * static_cast<double>(done) / static_cast<double>(patches_.size()));
+        });
+    }
+
+    const Canvas& canvas_;
+    const Mask &loss_, &intact_;
+    const FillTexture texture_;
+    const FillOptions& options_;
+    const double mm_;
+    const MaskRegions regions_;
+    const Image<float> relief_;
+    const double rim_px_;
+    const Mask wide_;  // the loss with its rim
+    const Image<float> depth_px_;
+    const double fine_px_;  // relief that is finer goes on from elsewhere
+    Image<float> levelled_;
+    std::vector<FillPatch> patches_;
+    int smooth_regions_ = 0;
+};
 
 }  // namespace
 
@@ -264,94 +233,16 @@ void add_layer(Canvas& canvas, const std::string& name, const Pigment& paint,
 }
 
 FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, const Mask& intact,
-                    FillTexture texture, const Rgb& colour, const FillOptions& options,
-                    const Progress& progress) {
-    validate(options);
+                    const Filling& filling, const Progress& progress) {
+    validate(filling.options);
     TP_REQUIRE(loss.region() == canvas.region() && (intact.empty() || intact.region() == canvas.region()),
                "a mask has the size of its canvas");
-    const double mm = canvas.mm_per_pixel();
-    const MaskRegions regions = regions_of(loss);
-    if (regions.regions.empty())
-        fail("there is nothing to fill: the mask is empty, or covers no pixel by half");
-    const Image<float> relief = relief_of(canvas);
-    const double rim_px = std::max(options.rim_mm / mm, 1.5);
-    const Mask wide = dilated(loss, rim_px);
-    const Image<float> depth_px = distance_inside_px(wide);
-    const bool weave = texture == FillTexture::weave;
-    const double fine_px = weave ? std::max(options.weave_mm / mm, 1.0) : std::max(2 / mm, 4.0);
-    const int rim = static_cast<int>(std::ceil(rim_px));
-    const int ring_px = weave ? static_cast<int>(std::ceil(3 * fine_px)) : 3 + rim;
-
-    // First the level everywhere, so that no step of a loss is taken for relief.
-    std::vector<Patch> patches;
-    Image<float> levelled = relief;
+    LossFill fill(canvas, loss, intact, filling);
+    fill.level(progress);
+    if (filling.texture != FillTexture::smooth) fill.add_relief(progress);
     FillReport result;
-    for (const MaskRegion& region : regions.regions) {
-        report(progress, "fill",
-               0.5 * static_cast<double>(patches.size()) / static_cast<double>(regions.regions.size()));
-        patches.push_back(patch_of(region.box, relief, wide, intact, depth_px, rim, ring_px));
-        const Patch& patch = patches.back();
-        for (int y = patch.box.y0; y < patch.box.y1; ++y)
-            for (int x = patch.box.x0; x < patch.box.x1; ++x)
-                if (wide(x, y) > 0.5f) levelled(x, y) = patch.level_mm(x - patch.box.x0, y - patch.box.y0);
-    }
-    if (texture != FillTexture::smooth) {
-        const Mask everywhere(loss.width(), loss.height(), 1.0f);
-        const Mask usable = without(intact.empty() ? everywhere : intact, wide);
-        const Image<float> detail = fine_relief(levelled, fine_px);
-        const int reach = static_cast<int>(std::ceil(std::min(options.search_mm / mm, 400.0)));
-        for (std::size_t i = 0; i < patches.size() && texture == FillTexture::patches; ++i) {
-            report(progress, "fill",
-                   0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(patches.size()));
-            if (!add_patches(patches[i], canvas.dry(), levelled, {detail, usable}, wide, reach, progress))
-                ++result.smooth_regions;
-        }
-        const Ramp flush{static_cast<float>(rim_px), static_cast<float>(rim_px + 1.5 / mm)};
-        std::mutex reporting;
-        std::size_t done = 0;
-        const int searched = texture == FillTexture::patches ? 0 : static_cast<int>(patches.size());
-        parallel_for(0, searched, 1, [&](int begin, int end) {
-            int smooth = 0;
-            for (int i = begin; i < end; ++i) {
-                Patch& patch = patches[static_cast<std::size_t>(i)];
-                const Shift shift = best_shift(patch, {detail, usable}, reach, fine_px / 4);
-                if (shift.found)
-                    add_relief(patch, shift, weave ? detail : levelled, depth_px, weave ? Ramp{} : flush);
-                else
-                    ++smooth;
-            }
-            const std::lock_guard lock(reporting);
-            result.smooth_regions += smooth;
-            done += static_cast<std::size_t>(end - begin);
-            report(progress, "fill",
-                   0.5 + 0.5 * static_cast<double>(done) / static_cast<double>(patches.size()));
-        });
-    }
-
-    result.regions = static_cast<int>(patches.size());
-    result.area_mm2 = area_of(loss, mm).mm2;
-    Image<float> thickness(canvas.width(), canvas.height()), filled = relief;
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-        const Region& own = regions.regions[i].box;
-        for (int y = own.y0; y < own.y1; ++y)
-            for (int x = own.x0; x < own.x1; ++x) {
-                if (regions.number(x, y) != static_cast<int>(i) + 1) continue;
-                const float level = patches[i].level_mm(x - patches[i].box.x0, y - patches[i].box.y0);
-                const float wanted = level + static_cast<float>(options.offset_mm) - relief(x, y);
-                ++result.pixels;
-                result.not_reached += wanted < kNothing_mm ? 1 : 0;
-                thickness(x, y) = wanted < kNothing_mm ? 0.0f : wanted;
-                filled(x, y) += thickness(x, y);
-                result.deepest_mm = std::max(result.deepest_mm, static_cast<double>(thickness(x, y)));
-                result.volume_mm3 += static_cast<double>(thickness(x, y)) * mm * mm;
-            }
-    }
-    result.border_rms_mm = border_rms_mm(filled, loss, wide, rim + 1);
-    Pigment body =
-        pigment_of_rgb(fmt::format("fill ({:.3g}, {:.3g}, {:.3g})", colour.r, colour.g, colour.b), colour);
-    body.specular = static_cast<float>(options.specular);
-    body.roughness = static_cast<float>(options.roughness);
-    add_layer(canvas, name, body, thickness, true);
+    const Image<float> thickness = fill.thickness(result);
+    add_layer(canvas, name, body_of(filling), thickness, true);
     report(progress, "fill", 1);
     return result;
 }

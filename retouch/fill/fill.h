@@ -48,6 +48,13 @@ struct FillOptions {
     }
 };
 
+// What a loss is filled with.
+struct Filling {
+    FillTexture texture = FillTexture::surroundings;
+    Rgb colour{1};  // linear Rec. 709
+    FillOptions options{};
+};
+
 struct FillReport {
     double area_mm2 = 0, volume_mm3 = 0, deepest_mm = 0;
     double border_rms_mm = 0;  // of the step from the fill's edge to the surroundings past the rim
@@ -62,8 +69,7 @@ struct FillReport {
 // `intact` is where relief may come from and levels may be read: not in other losses; empty: everywhere but
 // in `loss`. Throws Error where the mask is empty or leaves nothing around it.
 FillReport lay_fill(Canvas& canvas, const std::string& name, const Mask& loss, const Mask& intact,
-                    FillTexture texture, const Rgb& colour, const FillOptions& options = {},
-                    const Progress& progress = {});
+                    const Filling& filling, const Progress& progress = {});
 
 struct VarnishOptions {
     double thickness_mm = 0.02;

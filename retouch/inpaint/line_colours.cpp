@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <span>
 
 #include "paint/optics/drawdown_card.h"
 #include "paint/optics/kubelka_munk.h"
@@ -120,112 +121,172 @@ std::vector<int> by_shares(const std::vector<MarkShares>& marks,
     return chosen;
 }
 
+struct MarkCounts {
+    int marks = 0, bare = 0, painted = 0;  // of the last two, pixels
+    double bare_share() const { return bare / static_cast<double>(bare + painted); }
+};
+
+MarkCounts counted(const LinesToColour& lines) {
+    MarkCounts counts;
+    for (std::size_t i = 0; i < lines.owner.size(); ++i) {
+        if (lines.mask.pixels()[i] < 0.5f) continue;
+        ++(lines.owner.pixels()[i] < 0 ? counts.bare : counts.painted);
+        counts.marks = std::max(counts.marks, lines.owner.pixels()[i] + 1);
+    }
+    if (counts.painted == 0)
+        fail("no line lies in the mask, which is narrower than --pitch-mm; give a finer one");
+    return counts;
+}
+
+glm::dvec3 xyz_under_d65(const Spectrum& s) { return xyz_of(s, Illuminant::d65); }
+
+// A pile for each mark: first by the shares of its group, then as its neighbours leave least to be desired.
+class LineColouring {
+public:
+    LineColouring(const LinesToColour& lines, const Spectrum& below, int marks)
+        : lines_(lines),
+          below_(below),
+          marks_(static_cast<std::size_t>(marks)),
+          errors_(lines.mask.width(), lines.mask.height(), std::max(static_cast<int>(lines.blur_px / 2), 1)) {
+        result_.piles = lines.gaps;
+        for (const Rgb& group : lines.groups) group_xyz_.push_back(xyz_under_d65(reflectance_of_rgb(group)));
+    }
+
+    // Pure colours of each group, of which `bare_share` of the area is left.
+    void offer_pure(const std::vector<Pile>& offered, std::span<const Illuminant> illuminants,
+                    double bare_share) {
+        std::vector<Spectrum> looks;
+        for (const Pile& pile : offered) looks.push_back(pile.look);
+        std::map<int, int> number_of_offered;
+        for (std::size_t group = 0; group < lines_.groups.size(); ++group) {
+            const Spectrum wanted = reflectance_of_rgb(lines_.groups[group]);
+            const Juxtaposition pure =
+                juxtapose(looks, wanted, illuminants, lines_.gaps.empty() ? below_ : lines_.gaps[group].look,
+                          bare_share);
+            piles_of_group_.emplace_back();
+            for (std::size_t i = 0; i < pure.looks.size(); ++i) {
+                const int look = pure.looks[i];
+                const auto [at, added] =
+                    number_of_offered.try_emplace(look, static_cast<int>(result_.piles.size()));
+                if (added) {
+                    result_.piles.push_back(offered[static_cast<std::size_t>(look)]);
+                    result_.piles.back().target = wanted;
+                }
+                piles_of_group_.back().emplace_back(at->second, pure.shares[i]);
+            }
+        }
+        for (const Pile& pile : result_.piles) pile_xyz_.push_back(xyz_under_d65(pile.look));
+    }
+
+    // What is wanted where they are, and how far off what lies between them is.
+    void look_at_marks() {
+        const Mask& mask = lines_.mask;
+        result_.pile = Image<int>(mask.width(), mask.height(), -1);
+        const glm::dvec3 below_xyz = xyz_under_d65(below_);
+        const bool bare = lines_.gaps.empty();
+        for (int y = 0; y < mask.height(); ++y)
+            for (int x = 0; x < mask.width(); ++x) {
+                if (mask(x, y) < 0.5f) continue;
+                const glm::dvec3 wanted = xyz_under_d65(reflectance_of_rgb(lines_.target(x, y)));
+                if (lines_.owner(x, y) >= 0) {
+                    add_to_mark(x, y, wanted);
+                    continue;
+                }
+                if (!bare) result_.pile(x, y) = static_cast<int>(group_of(wanted));
+                errors_.add(x, y, (bare ? below_xyz : pile_xyz_[group_of(wanted)]) - wanted);
+            }
+        for (MarkShares& mark : marks_)
+            mark.group = group_of(mark.whole.target / std::max(static_cast<double>(mark.whole.pixels), 1.0));
+    }
+
+    void choose() {
+        chosen_ = by_shares(marks_, piles_of_group_);
+        for (std::size_t m = 0; m < marks_.size(); ++m) lay(m);
+        bool changed = true;
+        for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
+            changed = false;
+            for (std::size_t m = 0; m < marks_.size(); ++m)
+                if (marks_[m].whole.pixels > 0) changed = improve(m) || changed;
+        }
+    }
+
+    LineColours result() {
+        for (std::size_t i = 0; i < lines_.owner.size(); ++i)
+            if (lines_.owner.pixels()[i] >= 0 && lines_.mask.pixels()[i] >= 0.5f)
+                result_.pile.pixels()[i] = chosen_[static_cast<std::size_t>(lines_.owner.pixels()[i])];
+        return std::move(result_);
+    }
+
+private:
+    std::size_t group_of(const glm::dvec3& wanted) const {
+        std::size_t best = 0;
+        for (std::size_t g = 1; g < group_xyz_.size(); ++g)
+            if (glm::length(group_xyz_[g] - wanted) < glm::length(group_xyz_[best] - wanted)) best = g;
+        return best;
+    }
+
+    void add_to_mark(int x, int y, const glm::dvec3& wanted) {
+        MarkShares& mark = marks_[static_cast<std::size_t>(lines_.owner(x, y))];
+        ++mark.whole.pixels, mark.whole.target += wanted;
+        for (const std::size_t square : errors_.squares_of(x, y)) {
+            Share& share = mark.by_square[square];
+            ++share.pixels, share.target += wanted;
+        }
+    }
+
+    const glm::dvec3& xyz_of_chosen(std::size_t m) const {
+        return pile_xyz_[static_cast<std::size_t>(chosen_[m])];
+    }
+    void lay(std::size_t m) {
+        for (const auto& [square, share] : marks_[m].by_square)
+            errors_[square] += share.error(xyz_of_chosen(m));
+    }
+    void lift(std::size_t m) {
+        for (const auto& [square, share] : marks_[m].by_square)
+            errors_[square] -= share.error(xyz_of_chosen(m));
+    }
+
+    // Takes that pile of the mark's group with which least error is left; true where it is another one.
+    bool improve(std::size_t m) {
+        const int before = chosen_[m];
+        lift(m);
+        double least = 1e300;
+        for (const auto& [pile, share_of_area] : piles_of_group_[marks_[m].group]) {
+            double energy = 0;
+            for (const auto& [square, share] : marks_[m].by_square) {
+                const glm::dvec3 e = errors_[square] + share.error(pile_xyz_[static_cast<std::size_t>(pile)]);
+                energy += glm::dot(e, e);
+            }
+            if (energy < least) least = energy, chosen_[m] = pile;
+        }
+        lay(m);
+        return chosen_[m] != before;
+    }
+
+    const LinesToColour& lines_;
+    const Spectrum& below_;
+    std::vector<MarkShares> marks_;
+    Errors errors_;
+    std::vector<glm::dvec3> group_xyz_, pile_xyz_;
+    std::vector<std::vector<std::pair<int, double>>> piles_of_group_;  // with their shares
+    std::vector<int> chosen_;                                          // of each mark
+    LineColours result_;
+};
+
 }  // namespace
 
-LineColours line_colours(const Image<int>& owner, const Mask& mask, const Image<Rgb>& target,
-                         const std::vector<Rgb>& groups, const std::vector<Pile>& gaps,
-                         const Palette& palette, const Spectrum& below, const RetouchOptions& options,
-                         double blur_px) {
-    TP_REQUIRE(owner.region() == mask.region() && target.region() == mask.region(), "of the same region");
-    TP_REQUIRE(!groups.empty() && (gaps.empty() || gaps.size() == groups.size()), "a group of colours");
-    const auto xyz = [](const Spectrum& s) { return xyz_of(s, Illuminant::d65); };
-    int count = 0, bare = 0, painted = 0;
-    for (std::size_t i = 0; i < owner.size(); ++i) {
-        if (mask.pixels()[i] < 0.5f) continue;
-        ++(owner.pixels()[i] < 0 ? bare : painted);
-        count = std::max(count, owner.pixels()[i] + 1);
-    }
-    if (painted == 0) fail("no line lies in the mask, which is narrower than --pitch-mm; give a finer one");
-    const double bare_share = bare / static_cast<double>(bare + painted);
-
-    // Pure colours of each group.
-    const std::vector<Pile> offered = pure_piles(palette, below, options);
-    std::vector<Spectrum> looks;
-    for (const Pile& pile : offered) looks.push_back(pile.look);
-    LineColours result;
-    result.piles = gaps;
-    std::vector<std::vector<std::pair<int, double>>> piles_of_group;  // with their shares
-    std::map<int, int> number_of_offered;
-    for (std::size_t group = 0; group < groups.size(); ++group) {
-        const Spectrum wanted = reflectance_of_rgb(groups[group]);
-        const Juxtaposition pure = juxtapose(looks, wanted, options.match.illuminants,
-                                             gaps.empty() ? below : gaps[group].look, bare_share);
-        piles_of_group.emplace_back();
-        for (std::size_t i = 0; i < pure.looks.size(); ++i) {
-            const int look = pure.looks[i];
-            const auto [at, added] =
-                number_of_offered.try_emplace(look, static_cast<int>(result.piles.size()));
-            if (added) {
-                result.piles.push_back(offered[static_cast<std::size_t>(look)]);
-                result.piles.back().target = wanted;
-            }
-            piles_of_group.back().emplace_back(at->second, pure.shares[i]);
-        }
-    }
-
-    // Marks, and what is wanted where they are.
-    std::vector<MarkShares> marks(static_cast<std::size_t>(count));
-    Errors errors(mask.width(), mask.height(), std::max(static_cast<int>(blur_px / 2), 1));
-    std::vector<glm::dvec3> group_xyz, pile_xyz;
-    for (const Rgb& group : groups) group_xyz.push_back(xyz(reflectance_of_rgb(group)));
-    for (const Pile& pile : result.piles) pile_xyz.push_back(xyz(pile.look));
-    const auto group_of = [&](const glm::dvec3& wanted) {
-        std::size_t best = 0;
-        for (std::size_t g = 1; g < group_xyz.size(); ++g)
-            if (glm::length(group_xyz[g] - wanted) < glm::length(group_xyz[best] - wanted)) best = g;
-        return best;
-    };
-    result.pile = Image<int>(mask.width(), mask.height(), -1);
-    const glm::dvec3 below_xyz = xyz(below);
-    for (int y = 0; y < mask.height(); ++y)
-        for (int x = 0; x < mask.width(); ++x) {
-            if (mask(x, y) < 0.5f) continue;
-            const glm::dvec3 wanted = xyz(reflectance_of_rgb(target(x, y)));
-            if (owner(x, y) < 0) {
-                if (!gaps.empty()) result.pile(x, y) = static_cast<int>(group_of(wanted));
-                errors.add(x, y, (gaps.empty() ? below_xyz : pile_xyz[group_of(wanted)]) - wanted);
-                continue;
-            }
-            MarkShares& mark = marks[static_cast<std::size_t>(owner(x, y))];
-            ++mark.whole.pixels, mark.whole.target += wanted;
-            for (const std::size_t square : errors.squares_of(x, y)) {
-                Share& share = mark.by_square[square];
-                ++share.pixels, share.target += wanted;
-            }
-        }
-    for (MarkShares& mark : marks)
-        mark.group = group_of(mark.whole.target / std::max(static_cast<double>(mark.whole.pixels), 1.0));
-    std::vector<int> chosen = by_shares(marks, piles_of_group);
-    for (std::size_t m = 0; m < marks.size(); ++m)
-        for (const auto& [square, share] : marks[m].by_square)
-            errors[square] += share.error(pile_xyz[static_cast<std::size_t>(chosen[m])]);
-    bool changed = true;
-    for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
-        changed = false;
-        for (std::size_t m = 0; m < marks.size(); ++m) {
-            if (marks[m].whole.pixels == 0) continue;
-            const int before = chosen[m];
-            for (const auto& [square, share] : marks[m].by_square)
-                errors[square] -= share.error(pile_xyz[static_cast<std::size_t>(before)]);
-            double least = 1e300;
-            for (const auto& [pile, share_of_area] : piles_of_group[marks[m].group]) {
-                double energy = 0;
-                for (const auto& [square, share] : marks[m].by_square) {
-                    const glm::dvec3 e =
-                        errors[square] + share.error(pile_xyz[static_cast<std::size_t>(pile)]);
-                    energy += glm::dot(e, e);
-                }
-                if (energy < least) least = energy, chosen[m] = pile;
-            }
-            for (const auto& [square, share] : marks[m].by_square)
-                errors[square] += share.error(pile_xyz[static_cast<std::size_t>(chosen[m])]);
-            changed = changed || chosen[m] != before;
-        }
-    }
-    for (std::size_t i = 0; i < owner.size(); ++i)
-        if (owner.pixels()[i] >= 0 && mask.pixels()[i] >= 0.5f)
-            result.pile.pixels()[i] = chosen[static_cast<std::size_t>(owner.pixels()[i])];
-    return result;
+LineColours line_colours(const LinesToColour& lines, const Palette& palette, const Spectrum& below,
+                         const RetouchOptions& options) {
+    TP_REQUIRE(lines.owner.region() == lines.mask.region() && lines.target.region() == lines.mask.region(),
+               "of the same region");
+    TP_REQUIRE(!lines.groups.empty() && (lines.gaps.empty() || lines.gaps.size() == lines.groups.size()),
+               "a group of colours");
+    const MarkCounts counts = counted(lines);
+    LineColouring colouring(lines, below, counts.marks);
+    colouring.offer_pure(pure_piles(palette, below, options), options.match.illuminants, counts.bare_share());
+    colouring.look_at_marks();
+    colouring.choose();
+    return colouring.result();
 }
 
 FusedDifference::FusedDifference(const Mask& mask, int cell_px) : cell_px_(std::max(cell_px, 1)) {

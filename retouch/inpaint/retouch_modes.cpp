@@ -17,6 +17,8 @@ constexpr std::array<std::string_view, 6> kModeNames = {"mimetic",     "trattegg
                                                         "abstraction", "dotting",    "neutral"};
 constexpr double kFusedPitches = 6;  // over which lines and dots are to have the right mean
 
+bool has_lines(RetouchMode mode) { return mode != RetouchMode::mimetic && mode != RetouchMode::neutral; }
+
 class Layer {
 public:
     Layer(Canvas& canvas, const Palette& palette)
@@ -223,9 +225,14 @@ private:
         Image<int> chosen;
         if (!lines() || !options_.bare_gaps) found = piles_for(own, below, progress);
         if (lines()) {
-            auto of_lines = line_colours(owner_, own, loss_.target,
-                                         groups_of(targets_inside(own, loss_.target), wanted_piles()), found,
-                                         palette_, below, options_, blur_px_);
+            const LinesToColour to_colour{
+                .owner = owner_,
+                .mask = own,
+                .target = loss_.target,
+                .groups = groups_of(targets_inside(own, loss_.target), wanted_piles()),
+                .gaps = std::move(found),
+                .blur_px = blur_px_};
+            auto of_lines = line_colours(to_colour, palette_, below, options_);
             found = std::move(of_lines.piles);
             chosen = std::move(of_lines.pile);
         }
@@ -249,6 +256,95 @@ private:
     double blur_px_ = 0;
 };
 
+// What is laid pixel by pixel, and the report on it.
+class RetouchLaying {
+public:
+    RetouchLaying(Canvas& canvas, const Palette& palette, const Loss& loss, const Chosen& chosen,
+                  const RetouchLayer& layer, RetouchReport& result)
+        : palette_(palette),
+          loss_(loss),
+          chosen_(chosen),
+          options_(layer.options),
+          lines_(has_lines(layer.mode)),
+          pixel_mm2_(loss.mm_per_pixel * loss.mm_per_pixel),
+          result_(result),
+          laid_(canvas, palette),
+          difference_(loss.mask, cell_px()),
+          used_(chosen.colours.size()) {}
+
+    void lay(int x, int y) {
+        const float covered = loss_.mask(x, y);
+        result_.area_mm2 += pixel_mm2_ * static_cast<double>(covered);
+        const int number = chosen_.number(x, y);
+        if (number >= 0) {
+            used_[static_cast<std::size_t>(number)] = true;
+            paint(x, y, chosen_.colours[static_cast<std::size_t>(number)], lines_ ? 1.0f : covered);
+        }
+        if (covered >= 0.5f)
+            difference_.add(
+                x, y,
+                number >= 0 ? chosen_.colours[static_cast<std::size_t>(number)].look : chosen_.below(x, y),
+                reflectance_of_rgb(loss_.target(x, y)));
+    }
+
+    // Shares and means of what was laid.
+    PaintLayer finish() {
+        for (Pile& p : result_.piles) {
+            p.volume_mm3 = p.share * options_.thickness_mm;
+            p.share /= std::max(result_.painted_mm2, 1e-12);
+        }
+        for (RetouchGloss& gloss : result_.glosses) {
+            const double part = 1 / std::max(gloss.area_mm2, 1e-12);
+            gloss.of_paint.specular *= part, gloss.of_paint.roughness *= part;
+            gloss.of_paint.luminance = gloss.wanted.luminance;
+        }
+        for (std::size_t i = 0; i < used_.size(); ++i)
+            if (used_[i] && chosen_.colours[i].piles.size() > 1) add_pairs(chosen_.colours[i], result_);
+        result_.delta_e_mean = difference_.means();
+        return laid_.take();
+    }
+
+private:
+    // Over which colours are compared: with lines, the means over some of them.
+    int cell_px() const {
+        return lines_ ? static_cast<int>(kFusedPitches * std::round(result_.pitch_mm / loss_.mm_per_pixel))
+                      : 1;
+    }
+
+    void paint(int x, int y, const Colour& colour, float part) {
+        const double painted_mm2 = pixel_mm2_ * static_cast<double>(part);
+        RetouchGloss* const gloss = loss_.glosses.empty() ? nullptr : &result_.glosses[loss_.gloss(x, y)];
+        laid_.put(x + loss_.region.x0, y + loss_.region.y0, colour,
+                  part * static_cast<float>(options_.thickness_mm), gloss ? &gloss->wanted : nullptr,
+                  gloss ? loss_.gloss(x, y) : 0);
+        result_.painted_mm2 += painted_mm2;
+        if (gloss) add_to(*gloss, colour, palette_, painted_mm2);
+        for (const auto& [pile, share] : colour.piles)
+            result_.piles[static_cast<std::size_t>(pile)].share +=
+                pixel_mm2_ * static_cast<double>(part * share);
+    }
+
+    const Palette& palette_;
+    const Loss& loss_;
+    const Chosen& chosen_;
+    const RetouchOptions& options_;
+    const bool lines_;
+    const double pixel_mm2_;
+    RetouchReport& result_;
+    Layer laid_;
+    FusedDifference difference_;
+    std::vector<bool> used_;  // of the colours
+};
+
+// A neutral retouch and an abstraction aim at one colour.
+void aim(Loss& loss, RetouchMode mode, const RetouchOptions& options) {
+    if (mode != RetouchMode::neutral && mode != RetouchMode::abstraction) return;
+    const std::vector<Rgb> inside = targets_inside(loss.mask, loss.target);
+    Rgb mean = groups_of(inside, 1)[0];
+    if (mode == RetouchMode::neutral) mean = toned_down(mean, options);
+    for (Rgb& t : loss.target.pixels()) t = mean;
+}
+
 }  // namespace
 
 std::string_view name_of(RetouchMode mode) { return kModeNames[static_cast<std::size_t>(mode)]; }
@@ -260,81 +356,32 @@ std::optional<RetouchMode> retouch_mode_named(std::string_view name) {
 }
 
 RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& mask, const Mask& damaged,
-                          RetouchMode mode, const std::string& layer, const RetouchOptions& options,
-                          const Progress& progress) {
+                          const RetouchLayer& layer, const Progress& progress) {
+    const RetouchOptions& options = layer.options;
     validate(options);
     validate(options.annulus);
     report(progress, "look at the surroundings", 0);
     Loss loss = loss_of(canvas, mask, damaged, options);
-    const bool lines = mode != RetouchMode::mimetic && mode != RetouchMode::neutral;
-    if (mode == RetouchMode::neutral || mode == RetouchMode::abstraction) {
-        const std::vector<Rgb> inside = targets_inside(loss.mask, loss.target);
-        Rgb mean = groups_of(inside, 1)[0];
-        if (mode == RetouchMode::neutral) mean = toned_down(mean, options);
-        for (Rgb& t : loss.target.pixels()) t = mean;
-    }
+    aim(loss, layer.mode, options);
     RetouchReport result;
     result.region = loss.region;
-    Chosen chosen(loss, palette, mode, options);
-    if (lines) chosen.draw(geometry_of(loss, options), result);
+    for (std::size_t i = 0; i < loss.glosses.size(); ++i)
+        result.glosses.push_back({loss.glosses[i], {0, 0, 0}, 0, loss.gloss_parts[i]});
+    Chosen chosen(loss, palette, layer.mode, options);
+    if (has_lines(layer.mode)) chosen.draw(geometry_of(loss, options), result);
     chosen.choose(progress);
     result.piles = std::move(chosen.piles);
     result.grounds = static_cast<int>(chosen.grounds.spectra.size());
-    const std::vector<Colour>& colours = chosen.colours;
-    std::vector<bool> used(colours.size());
 
     report(progress, "lay paint", 0);
-    Layer laid(canvas, palette);
-    const double pixel_mm2 = loss.mm_per_pixel * loss.mm_per_pixel;
-    const int cell =
-        lines ? static_cast<int>(kFusedPitches * std::round(result.pitch_mm / loss.mm_per_pixel)) : 1;
-    FusedDifference difference(loss.mask, cell);
-    for (std::size_t i = 0; i < loss.glosses.size(); ++i)
-        result.glosses.push_back({loss.glosses[i], {0, 0, 0}, 0, loss.gloss_parts[i]});
+    RetouchLaying laying(canvas, palette, loss, chosen, layer, result);
     for (int y = 0; y < loss.mask.height(); ++y)
-        for (int x = 0; x < loss.mask.width(); ++x) {
-            const float covered = loss.mask(x, y);
-            if (!(covered > 0)) continue;
-            result.area_mm2 += pixel_mm2 * static_cast<double>(covered);
-            const int number = chosen.number(x, y);
-            const float part = lines ? 1.0f : covered;
-            if (number >= 0) {
-                const Colour& colour = colours[static_cast<std::size_t>(number)];
-                used[static_cast<std::size_t>(number)] = true;
-                const double painted_mm2 = pixel_mm2 * static_cast<double>(part);
-                RetouchGloss* const gloss =
-                    loss.glosses.empty() ? nullptr : &result.glosses[loss.gloss(x, y)];
-                laid.put(x + loss.region.x0, y + loss.region.y0, colour,
-                         part * static_cast<float>(options.thickness_mm), gloss ? &gloss->wanted : nullptr,
-                         gloss ? loss.gloss(x, y) : 0);
-                result.painted_mm2 += painted_mm2;
-                if (gloss) add_to(*gloss, colour, palette, painted_mm2);
-                for (const auto& [pile, share] : colour.piles) {
-                    Pile& p = result.piles[static_cast<std::size_t>(pile)];
-                    p.share += pixel_mm2 * static_cast<double>(part * share);
-                }
-            }
-            if (covered >= 0.5f)
-                difference.add(
-                    x, y, number >= 0 ? colours[static_cast<std::size_t>(number)].look : chosen.below(x, y),
-                    reflectance_of_rgb(loss.target(x, y)));
-        }
-    for (Pile& p : result.piles) {
-        p.volume_mm3 = p.share * options.thickness_mm;
-        p.share /= std::max(result.painted_mm2, 1e-12);
-    }
-    for (RetouchGloss& gloss : result.glosses) {
-        const double part = 1 / std::max(gloss.area_mm2, 1e-12);
-        gloss.of_paint.specular *= part, gloss.of_paint.roughness *= part;
-        gloss.of_paint.luminance = gloss.wanted.luminance;
-    }
-    for (std::size_t i = 0; i < colours.size(); ++i)
-        if (used[i] && colours[i].piles.size() > 1) add_pairs(colours[i], result);
-    result.delta_e_mean = difference.means();
+        for (int x = 0; x < loss.mask.width(); ++x)
+            if (loss.mask(x, y) > 0) laying.lay(x, y);
+    PaintLayer paint = laying.finish();
     result.target = std::move(loss.target);
-    PaintLayer paint = laid.take();
     for (const TileIndex tile : paint.painted()) canvas.mark_dirty(tile);
-    canvas.writable_dried().push_back({layer, std::move(paint)});
+    canvas.writable_dried().push_back({layer.name, std::move(paint)});
     report(progress, "lay paint", 1);
     return result;
 }

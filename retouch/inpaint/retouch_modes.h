@@ -105,14 +105,20 @@ struct RetouchReport {
     Region region;      // the part of the painting that was looked at
 };
 
-// Lays a retouch as a new dried layer on top, named `layer`. Paint lies where `mask` is above 0, as much
+// What is laid.
+struct RetouchLayer {
+    RetouchMode mode = RetouchMode::mimetic;
+    std::string name{};
+    RetouchOptions options{};
+};
+
+// Lays a retouch as a new dried layer on top. Paint lies where `mask` is above 0, as much
 // thinner as coverage is below 1 (lines and dots: where it is 1/2 and more; on a fill, not thinner there);
 // nowhere else. Each connected part has the gloss of its surroundings. `damaged`, which
 // may be empty, is not taken for surroundings. The original's spectrum is unknown: that of spectrum.h for its
 // colour stands for it. Throws Error where the mask is empty, marks are finer than the painting's pixels, or
 // options are outside of their intervals; Cancelled.
 RetouchReport lay_retouch(Canvas& canvas, const Palette& palette, const Mask& mask, const Mask& damaged,
-                          RetouchMode mode, const std::string& layer, const RetouchOptions& options = {},
-                          const Progress& progress = {});
+                          const RetouchLayer& layer, const Progress& progress = {});
 
 }  // namespace tangi

@@ -39,14 +39,13 @@ void count_beside(json& results, const Treatment& treatment, const DriedLayer& l
             layer.name, beside.whole_pixels));
 }
 
-json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillTexture texture,
-               const Rgb& colour, const FillOptions& options, const Author& author,
-               const Progress& progress) {
-    const bool proposal = texture == FillTexture::patches;  // never silently
+json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, const Filling& filling,
+               const Author& author, const Progress& progress) {
+    const bool proposal = filling.texture == FillTexture::patches;  // never silently
     const std::string name = treatment.new_layer_name(LayerRole::fill, proposal);
     const Mask intact =
         without(Mask(area.mask.width(), area.mask.height(), 1.0f), united(area.mask, damaged(treatment)));
-    const FillReport report = lay_fill(canvas, name, area.mask, intact, texture, colour, options, progress);
+    const FillReport report = lay_fill(canvas, name, area.mask, intact, filling, progress);
     if (!(report.volume_mm3 > 0))
         fail(
             "{}: there is nothing to fill: all of the area lies above the level asked for already; raise it "
@@ -74,9 +73,9 @@ json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillT
             100 * report.not_reached / pixels));
     count_beside(result, treatment, canvas.dried().back(), area.mask);
     const json parameters = {{"area", area.described},
-                             {"texture", name_of(texture)},
-                             {"colour", {colour.r, colour.g, colour.b}},
-                             {"options", to_json(options)}};
+                             {"texture", name_of(filling.texture)},
+                             {"colour", {filling.colour.r, filling.colour.g, filling.colour.b}},
+                             {"options", to_json(filling.options)}};
     treatment.record({.action = proposal ? "propose" : "fill",
                       .parameters = parameters,
                       .results = result,
@@ -88,8 +87,9 @@ json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillT
     return result;
 }
 
-json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const StepArea* area,
-                  const VarnishOptions& options, const Author& author, const Progress& progress) {
+json varnish_step(Treatment& treatment, Canvas& canvas, const Varnishing& varnishing, const Author& author,
+                  const Progress& progress) {
+    const auto& [isolating, area, options] = varnishing;
     const Mask mask = area ? area->mask : Mask(treatment.width(), treatment.height(), 1.0f);
     if (area_of(mask, 1).mm2 == 0)
         fail("{}: there is nothing to varnish: the mask is empty", treatment.folder().string());
@@ -120,8 +120,9 @@ json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const St
     return result;
 }
 
-json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, TreatmentStep step,
-                  const std::string& source, const Author& author, const Progress& progress) {
+json retouch_step(Treatment& treatment, Canvas& canvas, HandRetouch retouch, const Author& author,
+                  const Progress& progress) {
+    auto& [area, step, source] = retouch;
     const std::string name = treatment.new_layer_name(LayerRole::retouch);
     // What was dried while painting is a retouch too.
     const std::vector<TreatmentLayer> logged = treatment.layers();
@@ -165,14 +166,13 @@ json remove_step(Treatment& treatment, Canvas& canvas, const std::vector<std::st
     return {{"removed", layers}};
 }
 
-json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask, const json& parameters,
-               const Author& author, const std::vector<std::filesystem::path>& inputs,
+json draw_step(Treatment& treatment, const DrawnDamage& drawn, const Author& author,
                const Progress& progress) {
-    const std::string name(name_of(damage));
-    TreatmentStep step{.action = "draw damage", .parameters = parameters, .inputs = inputs};
+    const std::string name(name_of(drawn.damage));
+    TreatmentStep step{.action = "draw damage", .parameters = drawn.parameters};
     step.parameters["class"] = name;
-    step.masks[name] = mask;
-    step.results[name] = area_of_step(treatment, area_of(mask, treatment.mm_per_pixel()).mm2);
+    step.masks[name] = drawn.mask;
+    step.results[name] = area_of_step(treatment, area_of(drawn.mask, treatment.mm_per_pixel()).mm2);
     treatment.record(step, author, progress);
     return step.results;
 }

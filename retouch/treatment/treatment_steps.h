@@ -32,20 +32,27 @@ Mask damaged(const Treatment& treatment);
 void count_beside(nlohmann::json& results, const Treatment& treatment, const DriedLayer& layer,
                   const Mask& area);
 
-nlohmann::json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, FillTexture texture,
-                         const Rgb& colour, const FillOptions& options, const Author& author,
-                         const Progress& progress = {});
+nlohmann::json fill_step(Treatment& treatment, Canvas& canvas, const StepArea& area, const Filling& filling,
+                         const Author& author, const Progress& progress = {});
 
-// `area` null: all of the painting.
-nlohmann::json varnish_step(Treatment& treatment, Canvas& canvas, bool isolating, const StepArea* area,
-                            const VarnishOptions& options, const Author& author,
+struct Varnishing {
+    bool isolating = false;
+    const StepArea* area = nullptr;  // null: all of the painting
+    VarnishOptions options{};
+};
+nlohmann::json varnish_step(Treatment& treatment, Canvas& canvas, const Varnishing& varnishing,
+                            const Author& author, const Progress& progress = {});
+
+// What was painted by hand.
+struct HandRetouch {
+    StepArea area;
+    TreatmentStep step{};  // what is known beyond that: parameters, results, strokes
+    std::string source{};  // where it was painted: named where there is nothing of it
+};
+// Takes it into the treatment: wet paint is dried as a layer with a new name, layers that the log does not
+// know are retouches too. Throws Error naming the source where nothing was painted.
+nlohmann::json retouch_step(Treatment& treatment, Canvas& canvas, HandRetouch retouch, const Author& author,
                             const Progress& progress = {});
-
-// Takes what was painted by hand into the treatment: wet paint is dried as a layer with a new name, layers
-// that the log does not know are retouches too. `step` holds what is known beyond that (parameters, results,
-// strokes). Throws Error naming `source` where nothing was painted.
-nlohmann::json retouch_step(Treatment& treatment, Canvas& canvas, const StepArea& area, TreatmentStep step,
-                            const std::string& source, const Author& author, const Progress& progress = {});
 
 // Takes layers off, and keeps them, so that undo brings them back. Throws Error, saying which there are,
 // where one is not there.
@@ -67,10 +74,14 @@ NextUndo next_undo(const Treatment& treatment);
 nlohmann::json undo_step(Treatment& treatment, Canvas& canvas, const Author& author,
                          const Progress& progress = {});
 
-// Puts `mask` in the place of what a class has; `parameters` say how it came about.
-nlohmann::json draw_step(Treatment& treatment, DamageClass damage, const Mask& mask,
-                         const nlohmann::json& parameters, const Author& author,
-                         const std::vector<std::filesystem::path>& inputs = {},
+// The damage of a class, as it was drawn.
+struct DrawnDamage {
+    DamageClass damage;
+    const Mask& mask;
+    nlohmann::json parameters;  // how it came about
+};
+// Puts its mask in the place of what the class has.
+nlohmann::json draw_step(Treatment& treatment, const DrawnDamage& drawn, const Author& author,
                          const Progress& progress = {});
 
 }  // namespace tangi

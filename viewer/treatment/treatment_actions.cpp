@@ -190,11 +190,11 @@ void TreatmentController::step(std::string title, Step work) {
 
 void TreatmentController::fill() {
     const TreatmentState& t = state_.treatment_state;
-    step("filling", [where = t.where, texture = t.texture,
-                     colour = Transfer{Transfer::Kind::srgb}.decode(t.fill_srgb), options = t.fill,
-                     who = author()](Treatment& treatment, Canvas& canvas, const Progress& progress) {
-        const json result = fill_step(treatment, canvas, area_of_classes(treatment, where), texture, colour,
-                                      options, who, progress);
+    const Filling filling{t.texture, Transfer{Transfer::Kind::srgb}.decode(t.fill_srgb), t.fill};
+    step("filling", [where = t.where, filling, who = author()](Treatment& treatment, Canvas& canvas,
+                                                               const Progress& progress) {
+        const json result =
+            fill_step(treatment, canvas, area_of_classes(treatment, where), filling, who, progress);
         const StatedLength deepest = stated_length(result, "deepest");
         return fmt::format("in the log: {}, {}, {:.2f}{} at its deepest; step at its border {:.3f}{} rms{}",
                            result["layer"].get<std::string>(), area_in_words(result),
@@ -210,8 +210,8 @@ void TreatmentController::varnish(bool isolating) {
          [isolating, where = t.where, options = isolating ? t.isolating : t.varnish, who = author()](
              Treatment& treatment, Canvas& canvas, const Progress& progress) {
              const StepArea area = area_of_classes(treatment, where);
-             const json result = varnish_step(treatment, canvas, isolating, isolating ? &area : nullptr,
-                                              options, who, progress);
+             const json result = varnish_step(
+                 treatment, canvas, {isolating, isolating ? &area : nullptr, options}, who, progress);
              return fmt::format("in the log: {}, {}{}", result["layer"].get<std::string>(),
                                 area_in_words(result), all_of_warnings(result));
          });
@@ -252,8 +252,8 @@ TreatmentController::Preview TreatmentController::laid(const Laying& laying, con
     StepArea area = area_of_classes(now, laying.where);
     canvas.confine({});
     const std::string layer = now.new_layer_name(LayerRole::retouch);
-    const RetouchReport report = lay_retouch(canvas, laying.palette, area.mask, damaged(now), laying.mode,
-                                             layer, laying.options, progress);
+    const RetouchReport report = lay_retouch(canvas, laying.palette, area.mask, damaged(now),
+                                             {laying.mode, layer, laying.options}, progress);
     json results = in_known_units(to_json(report, paints, laying.pairs), now);
     results["layer"] = layer;
     count_beside(results, now, canvas.dried().back(), area.mask);

@@ -240,7 +240,7 @@ Painter::Kept TreatmentController::kept(Held& held, Keeping& keeping, Canvas& ca
         if (fs::exists(recovery.unsaved)) step.withdrawn.push_back(recovery.unsaved.filename().string());
     }
     const json result =
-        retouch_step(treatment, canvas, area, std::move(step), treatment.painting().string(), who);
+        retouch_step(treatment, canvas, {area, std::move(step), treatment.painting().string()}, who);
     keeping.done = true;
     const json& last = result["retouches"].back();
     return {fmt::format("in the log: {}, {}, {} pixels on original", last["layer"].get<std::string>(),

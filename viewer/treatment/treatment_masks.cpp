@@ -170,9 +170,11 @@ void TreatmentController::keep_edits() {
               {
                   const std::lock_guard lock(held_->mutex);
                   for (const auto& [damage, draft] : edited)
-                      draw_step(held_->treatment, damage, draft.mask(),
-                                {{"edit", "by hand"}, {"edits", draft.actions()}, {"last_tool", tool}}, who,
-                                {}, progress);
+                      draw_step(held_->treatment,
+                                {damage,
+                                 draft.mask(),
+                                 {{"edit", "by hand"}, {"edits", draft.actions()}, {"last_tool", tool}}},
+                                who, progress);
               }
               Facts facts = facts_of(treatment(), canvas_of(*painter));
               return [this, under_way, facts = std::move(facts)]() mutable {
@@ -191,8 +193,9 @@ void TreatmentController::keep_now() {
         while (!drafts_.empty()) {
             const auto& [damage, draft] = *drafts_.begin();
             if (draft.can_undo())
-                draw_step(held_->treatment, damage, draft.mask(),
-                          {{"edit", "by hand"}, {"edits", draft.actions()}}, author());
+                draw_step(held_->treatment,
+                          {damage, draft.mask(), {{"edit", "by hand"}, {"edits", draft.actions()}}},
+                          author());
             drafts_.erase(drafts_.begin());
         }
     } catch (const Error& error) {

@@ -86,7 +86,7 @@ TEST(DataRetouch, ImpastosDamageIsSuggestedAndItsLossFilled) {
     for (std::size_t i = 0; i < height.size(); ++i) height_mm.pixels()[i] = height.pixels()[i].r;
     for (const FillTexture texture : {FillTexture::smooth, FillTexture::surroundings}) {
         Canvas canvas(std::make_shared<Surface>(surface));
-        lay_fill(canvas, "fill 1", loss, {}, texture, Rgb(0.8f));
+        lay_fill(canvas, "fill 1", loss, {}, {texture, Rgb(0.8f)});
         const double rms = border_rms_mm(relief_of(canvas), height_mm, loss);
         record(fmt::format("fill_{}_border_rms_mm", name_of(texture)), rms);
         EXPECT_LE(rms, 0.1);
@@ -96,8 +96,8 @@ TEST(DataRetouch, ImpastosDamageIsSuggestedAndItsLossFilled) {
     // area.
     Canvas canvas(std::make_shared<Surface>(surface));
     const Mask lost = truth("loss.png");
-    lay_fill(canvas, "fill 1", lost, {}, FillTexture::surroundings, Rgb(0.8f));
-    lay_retouch(canvas, artist_acrylics(), lost, {}, RetouchMode::mimetic, "retouch 1");
+    lay_fill(canvas, "fill 1", lost, {}, {FillTexture::surroundings, Rgb(0.8f)});
+    lay_retouch(canvas, artist_acrylics(), lost, {}, {RetouchMode::mimetic, "retouch 1"});
     const std::array illuminants = {Illuminant::d65, Illuminant::a, Illuminant::f11};
     const QualityReport quality = quality_of(canvas, lost, {}, illuminants);
     for (const Illuminant illuminant : illuminants) {

@@ -30,7 +30,7 @@ TEST(Retouch, HasTheGlossOfItsSurroundings) {
         Canvas canvas(surface);
         options.own_gloss = own;
         const RetouchReport report =
-            lay_retouch(canvas, artist_acrylics(), loss, {}, RetouchMode::mimetic, "retouch 1", options);
+            lay_retouch(canvas, artist_acrylics(), loss, {}, {RetouchMode::mimetic, "retouch 1", options});
         const Surface seen = appearance(canvas);
         for (const auto& [x, specular, roughness] :
              {std::tuple(45, 0.08f, 0.4f), std::tuple(155, 0.03f, 0.08f)}) {
@@ -58,7 +58,7 @@ TEST(Retouch, LeavesNoRimOfTheFill) {
     for (std::size_t i = 0; i < soft.size(); ++i)
         fill_mm.pixels()[i] = soft.pixels()[i] >= 0.5f ? 0.2f : 0.0f;
     add_layer(canvas, "fill", pigment_of_rgb("chalk", Rgb(0.8f)), fill_mm, true);
-    lay_retouch(canvas, artist_acrylics(), soft, {}, RetouchMode::mimetic, "retouch 1");
+    lay_retouch(canvas, artist_acrylics(), soft, {}, {RetouchMode::mimetic, "retouch 1"});
     const PaintLayer& paint = canvas.dried().back().paint;
     for (int y = 0; y < kLossesHigh; ++y)
         for (int x = 0; x < kLossesWide; ++x)

@@ -62,7 +62,7 @@ TEST(Fill, GoesOnWithATiltedPlaneExactly) {
     };
     for (const FillTexture texture : {FillTexture::smooth, FillTexture::surroundings}) {
         Canvas canvas = with_loss(loss, plane);
-        const FillReport report = lay_fill(canvas, "fill 1", loss, {}, texture, kChalk);
+        const FillReport report = lay_fill(canvas, "fill 1", loss, {}, {texture, kChalk});
         EXPECT_LT(rms_inside(canvas, loss, plane), 0.003);
         EXPECT_NEAR(report.volume_mm3, 0.4 * report.area_mm2, 0.05 * 0.4 * report.area_mm2);
         EXPECT_NEAR(report.deepest_mm, 0.4, 0.03);
@@ -77,7 +77,7 @@ TEST(Fill, LiesAsMuchLowerAsAsked) {
     Canvas canvas = with_loss(loss, flat);
     FillOptions lower;
     lower.offset_mm = -0.1;
-    lay_fill(canvas, "fill 1", loss, {}, FillTexture::smooth, kChalk, lower);
+    lay_fill(canvas, "fill 1", loss, {}, {FillTexture::smooth, kChalk, lower});
     EXPECT_LT(rms_inside(canvas, loss, [](int, int) { return -0.1f; }), 1e-4);
 }
 
@@ -88,10 +88,10 @@ TEST(Fill, KeepsTheWeaveAndItsPhase) {
         return static_cast<float>(0.05 * std::cos(u) * std::cos(v) + 0.002 * x);
     };
     Canvas smooth = with_loss(loss, weave), woven = smooth;
-    lay_fill(smooth, "fill 1", loss, {}, FillTexture::smooth, kChalk);
+    lay_fill(smooth, "fill 1", loss, {}, {FillTexture::smooth, kChalk});
     FillOptions options;
     options.weave_mm = 6 * kTestPixel;
-    lay_fill(woven, "fill 1", loss, {}, FillTexture::weave, kChalk, options);
+    lay_fill(woven, "fill 1", loss, {}, {FillTexture::weave, kChalk, options});
     EXPECT_GT(rms_inside(smooth, loss, weave), 0.02);
     EXPECT_LT(rms_inside(woven, loss, weave), 0.008);
 }
@@ -115,7 +115,7 @@ TEST(Fill, FindsThePhaseOfAWeaveFarAndWideForManyLosses) {
     FillOptions options;
     options.weave_mm = 16 * kTestPixel;
     options.search_mm = 200 * kTestPixel;
-    const FillReport report = lay_fill(canvas, "fill 1", loss, {}, FillTexture::weave, kChalk, options);
+    const FillReport report = lay_fill(canvas, "fill 1", loss, {}, {FillTexture::weave, kChalk, options});
     EXPECT_EQ(report.regions, 9);
     const Image<float> relief = relief_of(canvas);
     double square = 0, count = 0;
@@ -138,7 +138,7 @@ TEST(Fill, HasItsOwnColourAndShapeAndComesOffAgain) {
         }
     Canvas canvas(surface);
     const std::string before = sha256_of(appearance(canvas));
-    lay_fill(canvas, "fill 1", loss, {}, FillTexture::smooth, kChalk);
+    lay_fill(canvas, "fill 1", loss, {}, {FillTexture::smooth, kChalk});
     const Surface filled = appearance(canvas);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(filled.diffuse(60, 50)[c], kChalk[c], 0.02);
     EXPECT_NEAR(filled.roughness(60, 50), 0.4, 0.01);
@@ -159,7 +159,7 @@ TEST(Fill, LeavesNoRimOfWrongNormalsRoundIt) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) surface->height_mm(x, y) = loss(x, y) > 0.5f ? -0.4f : 0.0f;
     Canvas canvas(surface);
-    lay_fill(canvas, "fill 1", loss, {}, FillTexture::smooth, kChalk);
+    lay_fill(canvas, "fill 1", loss, {}, {FillTexture::smooth, kChalk});
     const Surface filled = appearance(canvas);
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) ASSERT_GT(filled.normal(x, y).z, 0.999f) << x << ", " << y;
@@ -172,20 +172,26 @@ TEST(Fill, SaysWhereItFoundNoReliefToGoOnWith) {
     const auto flat = [](int, int) { return 0.0f; };
     for (const FillTexture texture : {FillTexture::surroundings, FillTexture::weave}) {
         Canvas canvas = with_loss(loss, flat);
-        EXPECT_EQ(lay_fill(canvas, "fill 1", loss, {}, texture, kChalk).smooth_regions, 1);
+        EXPECT_EQ(lay_fill(canvas, "fill 1", loss, {}, {texture, kChalk}).smooth_regions, 1);
     }
     Canvas canvas = with_loss(disc(60, 50, 10), flat);
     EXPECT_EQ(
-        lay_fill(canvas, "fill 1", disc(60, 50, 10), {}, FillTexture::surroundings, kChalk).smooth_regions,
+        lay_fill(canvas, "fill 1", disc(60, 50, 10), {}, {FillTexture::surroundings, kChalk}).smooth_regions,
         0);
 }
 
 TEST(Fill, RefusesWhatCannotBeFilled) {
     Canvas canvas(flat_surface(kWidth, kHeight));
-    EXPECT_THAT([&] { lay_fill(canvas, "f", Mask(kWidth, kHeight), {}, FillTexture::smooth, kChalk); },
-                ThrowsMessage<Error>(HasSubstr("nothing to fill")));
-    EXPECT_THAT([&] { lay_fill(canvas, "f", Mask(kWidth, kHeight, 1.0f), {}, FillTexture::smooth, kChalk); },
-                ThrowsMessage<Error>(AllOf(HasSubstr("nothing intact around it"), HasSubstr("leave some"))));
+    EXPECT_THAT(
+        [&] {
+            lay_fill(canvas, "f", Mask(kWidth, kHeight), {}, {FillTexture::smooth, kChalk});
+        },
+        ThrowsMessage<Error>(HasSubstr("nothing to fill")));
+    EXPECT_THAT(
+        [&] {
+            lay_fill(canvas, "f", Mask(kWidth, kHeight, 1.0f), {}, {FillTexture::smooth, kChalk});
+        },
+        ThrowsMessage<Error>(AllOf(HasSubstr("nothing intact around it"), HasSubstr("leave some"))));
     EXPECT_TRUE(canvas.dried().empty());
 }
 

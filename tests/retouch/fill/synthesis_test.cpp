@@ -125,7 +125,7 @@ TEST(Fill, OfPatchesHasTheReliefOfTheSurroundings) {
         surface->height_mm.pixels()[i] = kHole.pixels()[i] > 0 ? -0.5f : 0.05f * relief.pixels()[i];
     const auto filled = [&](FillTexture texture) {
         Canvas canvas(surface);
-        lay_fill(canvas, "fill 1", kHole, {}, texture, Rgb(0.8f), {.rim_mm = 0.3});
+        lay_fill(canvas, "fill 1", kHole, {}, {texture, Rgb(0.8f), {.rim_mm = 0.3}});
         return relief_of(canvas);
     };
     Image<float> truth = relief;

@@ -43,7 +43,7 @@ struct Damaged {
 RetouchReport laid(Canvas& canvas, const Damaged& damaged, RetouchMode mode) {
     RetouchOptions options;
     options.piles = 4;
-    return lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, mode, "retouch 1", options);
+    return lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, {mode, "retouch 1", options});
 }
 
 TEST(Retouch, StaysInTheMaskWhateverTheMode) {
@@ -115,7 +115,7 @@ TEST(Retouch, EachGroundThatShowsThroughHasPilesOfItsOwn) {
         RetouchOptions options;
         options.thickness_mm = thickness_mm;
         const RetouchReport report =
-            lay_retouch(canvas, artist_acrylics(), mask, both, mode, "retouch 1", options);
+            lay_retouch(canvas, artist_acrylics(), mask, both, {mode, "retouch 1", options});
         EXPECT_EQ(report.grounds, grounds) << name_of(mode);
         const QualityReport quality = quality_of(canvas, mask, both, std::array{Illuminant::d65});
         double worst = 0;
@@ -151,7 +151,7 @@ TEST(Retouch, PairsThatAreAvoidedLieNowhereTogether) {
         options.piles = 4;
         options.match.allowed = without_pairs(paints.size(), forbidden);
         Canvas canvas = damaged.canvas();
-        lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, mode, "retouch 1", options);
+        lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, {mode, "retouch 1", options});
         const PaintLayer& layer = canvas.dried()[0].paint;
         std::set<std::pair<std::string, std::string>> together;
         for (const TileIndex at : layer.painted()) {
@@ -195,21 +195,21 @@ TEST(Retouch, SaysWhatIsWrong) {
     const Damaged damaged;
     Canvas canvas = damaged.canvas();
     EXPECT_NE(error_of([&] {
-                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh), {}, RetouchMode::mimetic, "r");
+                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh), {}, {RetouchMode::mimetic, "r"});
               }).find("mask is empty"),
               std::string::npos);
     RetouchOptions fine;
     fine.width_mm = 0.05;
-    EXPECT_NE(error_of([&] {
-                  lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, RetouchMode::tratteggio, "r",
-                              fine);
-              }).find("finer than the painting's pixels of 0.2 mm"),
-              std::string::npos);
-    EXPECT_NE(error_of([&] {
-                  lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh, 1), {}, RetouchMode::mimetic,
-                              "r");
-              }).find("covers the whole picture"),
-              std::string::npos);
+    EXPECT_NE(
+        error_of([&] {
+            lay_retouch(canvas, artist_acrylics(), damaged.loss, {}, {RetouchMode::tratteggio, "r", fine});
+        }).find("finer than the painting's pixels of 0.2 mm"),
+        std::string::npos);
+    EXPECT_NE(
+        error_of([&] {
+            lay_retouch(canvas, artist_acrylics(), Mask(kWide, kHigh, 1), {}, {RetouchMode::mimetic, "r"});
+        }).find("covers the whole picture"),
+        std::string::npos);
     EXPECT_TRUE(canvas.dried().empty());
 }
 

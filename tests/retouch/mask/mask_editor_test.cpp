@@ -115,11 +115,11 @@ TEST(TreatmentSteps, OnOriginalIsWhatLiesOutsideOfAllMappedDamage) {
             for (int x = x0; x < x1; ++x) mask(x, y) = 1;
         return mask;
     };
-    draw_step(treatment, DamageClass::loss_to_ground, box(20, 30), {{"edit", "by hand"}}, who);
-    draw_step(treatment, DamageClass::stain, box(30, 40), {{"edit", "by hand"}}, who);
+    draw_step(treatment, {DamageClass::loss_to_ground, box(20, 30), {{"edit", "by hand"}}}, who);
+    draw_step(treatment, {DamageClass::stain, box(30, 40), {{"edit", "by hand"}}}, who);
     const auto fill = [&](int x0, int x1) {
         Canvas canvas = treatment.read_canvas();
-        return fill_step(treatment, canvas, {box(x0, x1)}, FillTexture::smooth, Rgb(0.8f), {}, who);
+        return fill_step(treatment, canvas, {box(x0, x1)}, {FillTexture::smooth, Rgb(0.8f)}, who);
     };
     const auto within = fill(25, 38), beyond = fill(38, 50);
     EXPECT_EQ(within["on_original"]["pixels"], 0);
@@ -137,20 +137,20 @@ TEST(TreatmentSteps, WhatIsPaintedBesideTheAreaIsCountedAndLogged) {
     Mask loss(96, 64);
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 48; ++x) loss(x, y) = 1;
-    draw_step(treatment, DamageClass::loss_to_ground, loss, {{"edit", "by hand"}}, who);
+    draw_step(treatment, {DamageClass::loss_to_ground, loss, {{"edit", "by hand"}}}, who);
     const StepArea area = area_of_classes(treatment, {DamageClass::loss_to_ground});
     EXPECT_EQ(sum(area.mask), 48 * 64);
     EXPECT_THAT(
         [&] {
             Canvas bare = treatment.read_canvas();
-            retouch_step(treatment, bare, area, {}, "the canvas", who);
+            retouch_step(treatment, bare, {area, {}, "the canvas"}, who);
         },
         ThrowsMessage<Error>(HasSubstr("the canvas: nothing was painted")));
     Canvas canvas = treatment.read_canvas();
     Brush brush(even_brush(3), canvas.mm_per_pixel(), 1);
     brush.load({{{add_paint(canvas, "Titanium White"), 1.0}}}, 1, false);
     stroke(canvas, brush, {-8, 0}, {8, 0});
-    const auto result = retouch_step(treatment, canvas, area, {}, "the canvas", who);
+    const auto result = retouch_step(treatment, canvas, {area, {}, "the canvas"}, who);
     EXPECT_GT(result["retouches"][0]["on_original"]["pixels"].get<int>(), 100);
     EXPECT_EQ(result["retouches"][0]["on_original"], result["retouches"][0]["outside_area"]);
     ASSERT_EQ(result["warnings"].size(), 1u);
@@ -177,8 +177,8 @@ TEST(TreatmentSteps, AMaskThatWasDrawnIsUndoneToWhatItWasBefore) {
             for (int x = 0; x < 96; ++x) mask(x, y) = 1;
         return mask;
     };
-    for (const int rows : {10, 20, 30}) draw_step(treatment, DamageClass::stain, band(rows), {}, who);
-    draw_step(treatment, DamageClass::abrasion, band(5), {}, who);
+    for (const int rows : {10, 20, 30}) draw_step(treatment, {DamageClass::stain, band(rows), {}}, who);
+    draw_step(treatment, {DamageClass::abrasion, band(5), {}}, who);
     Canvas canvas = treatment.read_canvas();
     const auto undo = [&] { return undo_step(treatment, canvas, who); };
     EXPECT_EQ(undo()["restored"], nlohmann::json({"abrasion"}));
@@ -187,7 +187,7 @@ TEST(TreatmentSteps, AMaskThatWasDrawnIsUndoneToWhatItWasBefore) {
         EXPECT_EQ(undo()["restored"], nlohmann::json({"stain"}));
         EXPECT_EQ(sum(treatment.mask(DamageClass::stain)), rows * 96);
     }
-    draw_step(treatment, DamageClass::stain, band(40), {}, who);  // after undoing
+    draw_step(treatment, {DamageClass::stain, band(40), {}}, who);  // after undoing
     undo();
     EXPECT_EQ(sum(treatment.mask(DamageClass::stain)), 10 * 96) << "as the undoing left it";
     EXPECT_EQ(undo()["undone"]["line"], 2);
@@ -196,7 +196,7 @@ TEST(TreatmentSteps, AMaskThatWasDrawnIsUndoneToWhatItWasBefore) {
     EXPECT_TRUE(Treatment::open(dir / "a.treatment").check().empty()) << "what was kept is in the log";
 
     // What was kept is believed only as it was logged.
-    draw_step(treatment, DamageClass::stain, band(3), {}, who);
+    draw_step(treatment, {DamageClass::stain, band(3), {}}, who);
     const auto kept = treatment.log().entries().back().content["kept"]["stain"].get<std::string>();
     write_mask(treatment.folder() / kept, band(50));
     EXPECT_THAT([&] { undo(); }, ThrowsMessage<Error>(HasSubstr("is not the mask that line")));

@@ -38,7 +38,7 @@ protected:
         const Mask loss = mask_of_polygons({{{30, 20}, {60, 20}, {60, 40}, {30, 40}}}, 90, 60);
         treatment.record({.action = "draw", .masks = {{"loss_to_ground", loss}}}, kAuthorToEscape);
         Canvas canvas = treatment.read_canvas();
-        lay_fill(canvas, "fill 1", loss, {}, FillTexture::smooth, Rgb(0.8f));
+        lay_fill(canvas, "fill 1", loss, {}, {FillTexture::smooth, Rgb(0.8f)});
         treatment.record({.action = "fill",
                           .parameters = {{"texture", "smooth"}},
                           .canvas = &canvas,
@@ -184,10 +184,10 @@ TEST_F(Report, OfAPaintingWithoutAScaleStatesNoMillimetres) {
     Mask loss(90, 60);
     for (int y = 20; y < 40; ++y)
         for (int x = 30; x < 60; ++x) loss(x, y) = 1;
-    draw_step(treatment, DamageClass::loss_to_ground, loss, {}, kAuthorToEscape);
+    draw_step(treatment, {DamageClass::loss_to_ground, loss, {}}, kAuthorToEscape);
     Canvas canvas = treatment.read_canvas();
     const nlohmann::json filled =
-        fill_step(treatment, canvas, {loss}, FillTexture::smooth, Rgb(0.8f), {}, kAuthorToEscape);
+        fill_step(treatment, canvas, {loss}, {FillTexture::smooth, Rgb(0.8f)}, kAuthorToEscape);
     EXPECT_GT(filled["deepest_px"].get<double>(), 0);
     EXPECT_EQ(filled.dump().find("_mm"), std::string::npos) << filled;
     const nlohmann::json gloss = {{"specular", 0.031},

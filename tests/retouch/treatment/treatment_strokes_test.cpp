@@ -56,7 +56,7 @@ TEST_F(TreatmentFolder, StrokesThatMakeAnotherLayerAreTold) {
         replay(session, journal);
         Canvas canvas = session.canvas();
         canvas.confine({});
-        retouch_step(treatment, canvas, {Mask(100, 70, 1.0f)}, std::move(step), "test", kAuthor);
+        retouch_step(treatment, canvas, {{Mask(100, 70, 1.0f)}, std::move(step), "test"}, kAuthor);
     }
     const StrokesRepeated repeated = repeat_strokes(treatment, treatment.read_canvas());
     EXPECT_EQ(repeated.painted_again, 1);

@@ -112,7 +112,7 @@ TEST_F(TreatmentFolder, AnIsolatingVarnishOverARetouchIsWarnedOf) {
     Treatment treatment = begin();
     add(treatment, LayerRole::retouch, 10);
     Canvas canvas = treatment.read_canvas();
-    const nlohmann::json result = varnish_step(treatment, canvas, true, nullptr, {}, kAuthor, {});
+    const nlohmann::json result = varnish_step(treatment, canvas, {.isolating = true}, kAuthor, {});
     EXPECT_THAT(result["warnings"].dump(), HasSubstr("lies over 'retouch 1'"));
 }
 
@@ -346,7 +346,7 @@ TEST_F(TreatmentFolder, WithoutAScaleNoAreaIsStated) {
     Treatment treatment = Treatment::begin(dir_ / "unscaled", dir_ / "unscaled.exr", kAuthor);
     Mask stain(60, 40);
     for (int x = 10; x < 30; ++x) stain(x, 20) = 1;
-    const nlohmann::json drawn = draw_step(treatment, DamageClass::stain, stain, {}, kAuthor);
+    const nlohmann::json drawn = draw_step(treatment, {DamageClass::stain, stain, {}}, kAuthor);
     EXPECT_EQ(drawn["stain"], (nlohmann::json{{"area_px", 20.0}}));
     const nlohmann::json row = damage_table(treatment)[0];
     EXPECT_FALSE(row.contains("area_cm2"));
@@ -362,7 +362,7 @@ TEST_F(TreatmentFolder, AFillThatHasNothingToFillIsNone) {
         for (int x = 30; x < 40; ++x) area.mask(x, y) = 1;
     EXPECT_THAT(
         [&] {
-            fill_step(treatment, canvas, area, FillTexture::smooth, Rgb(0.8f), {.offset_mm = -1}, kAuthor);
+            fill_step(treatment, canvas, area, {FillTexture::smooth, Rgb(0.8f), {.offset_mm = -1}}, kAuthor);
         },
         ThrowsMessage<Error>(AllOf(HasSubstr("nothing to fill"), HasSubstr("--offset-mm"))));
     EXPECT_TRUE(Treatment::open(folder()).layers().empty());
@@ -375,7 +375,7 @@ TEST_F(TreatmentFolder, AFillThatHasNothingToFillIsNone) {
     write_painting(dir_ / "half.exr", half);
     Treatment other = Treatment::begin(dir_ / "half", dir_ / "half.exr", kAuthor);
     Canvas lower = other.read_canvas();
-    const nlohmann::json filled = fill_step(other, lower, area, FillTexture::smooth, Rgb(0.8f), {}, kAuthor);
+    const nlohmann::json filled = fill_step(other, lower, area, {FillTexture::smooth, Rgb(0.8f)}, kAuthor);
     EXPECT_THAT(filled["warnings"][0].get<std::string>(), HasSubstr("lies above the fill's level already"));
 }
 
