@@ -60,12 +60,12 @@ private:
     void take_answers(PainterNews& news);
     void requests();
     void do_requests(const WindowState::Requests& ask);
-    void view_requests(const WindowState::Requests& ask);
-    void paint_requests(const WindowState::Requests& ask);
-    void recovery_requests(const WindowState::Requests& ask);
+    void view_requests(const ViewRequests& ask);
+    void paint_requests(const PaintRequests& ask);
+    void recovery_requests(const ClosingRequests& ask);
     void closing_requests(const WindowState::Requests& ask);
     void stay_open();
-    void save(const WindowState::Requests& ask);
+    void save(const SavingRequests& ask);
     void loupe(const Scene& scene);
     void warm_up();
     void warm_up_table();
@@ -80,7 +80,7 @@ private:
     void take_palette(const std::filesystem::path& file);
     void dialogs(const WindowState::Requests& ask);
     void treatment_dialogs();
-    void photo_dialogs(const WindowState::Requests& ask);
+    void photo_dialogs(const PhotoRequests& ask);
     void choose(const FileQuestion& question, std::filesystem::path WindowState::Requests::*where);
     void choose_for_treatment(const FileQuestion& question,
                               std::filesystem::path TreatmentState::Ask::*where);
@@ -97,12 +97,12 @@ private:
     void begin_film(const std::filesystem::path& out);
     void film();
     void take_board(std::vector<BoardPatch> patches);
-    void board_requests(const WindowState::Requests& ask);
+    void board_requests(const PaintRequests& ask);
     void choose_canvas(const std::filesystem::path& ground);
     void preview_canvas();
     void begin_canvas();
     std::string against_canvas(const std::filesystem::path& file) const;
-    void canvas_requests(const WindowState::Requests& ask);
+    void canvas_requests(const OpeningRequests& ask);
     void keep_keys();
     void say(const std::string& text);
     bool closing();

@@ -47,7 +47,7 @@ void WindowApp::treatment_dialogs() {
                              &TreatmentState::Ask::report);
 }
 
-void WindowApp::photo_dialogs(const WindowState::Requests& ask) {
+void WindowApp::photo_dialogs(const PhotoRequests& ask) {
     using Wants = panels::FileDialog::Wants;
     using Requests = WindowState::Requests;
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();

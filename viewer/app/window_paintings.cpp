@@ -158,7 +158,7 @@ void WindowApp::begin_canvas() {
     open_when_allowed(file);
 }
 
-void WindowApp::canvas_requests(const WindowState::Requests& ask) {
+void WindowApp::canvas_requests(const OpeningRequests& ask) {
     if (ask.new_canvas) choose_canvas({});
     NewCanvas& n = state_.new_canvas;
     if (!ask.substrate.empty()) {

@@ -72,7 +72,7 @@ void WindowApp::take_board(std::vector<BoardPatch> patches) {
     if (!patches.empty()) settle_ = kFramesAfterwards;
 }
 
-void WindowApp::board_requests(const WindowState::Requests& ask) {
+void WindowApp::board_requests(const PaintRequests& ask) {
     if (ask.wash) {
         painter_->send(WashEvent{});
         state_.board.carried = Carried::nothing;
@@ -91,7 +91,7 @@ void WindowApp::board_requests(const WindowState::Requests& ask) {
 }
 
 // What is saved is seen.
-void WindowApp::save(const WindowState::Requests& ask) {
+void WindowApp::save(const SavingRequests& ask) {
     if ((!ask.save && ask.save_as.empty()) || state_.finishing) return;
     if (state_.left_over_strokes > 0) {
         say("first recover or discard the strokes that were not saved");
@@ -258,7 +258,7 @@ void WindowApp::requests() {
 }
 
 // How the painting is seen.
-void WindowApp::view_requests(const WindowState::Requests& ask) {
+void WindowApp::view_requests(const ViewRequests& ask) {
     if (ask.fit) state_.view = fitted(state_.painting, pane(state_, screen_), state_.view.turn_deg);
     if (ask.one_to_one) state_.view.zoom = 1;
     if (ask.straighten) {
@@ -268,7 +268,7 @@ void WindowApp::view_requests(const WindowState::Requests& ask) {
 }
 
 // What is done to the painting; nothing while another than it is seen, or while it cannot be painted on.
-void WindowApp::paint_requests(const WindowState::Requests& ask) {
+void WindowApp::paint_requests(const PaintRequests& ask) {
     const bool other =
         state_.treatment_state.state || state_.treatment_state.preview;  // than the painting is seen
     if (state_.left_over_strokes > 0 || other || state_.finishing) return;
@@ -287,7 +287,7 @@ void WindowApp::paint_requests(const WindowState::Requests& ask) {
 }
 
 // What the last sitting left.
-void WindowApp::recovery_requests(const WindowState::Requests& ask) {
+void WindowApp::recovery_requests(const ClosingRequests& ask) {
     if (ask.recover && left_over_ && !state_.treatment_state.no_strokes.empty()) {
         say(state_.treatment_state.no_strokes);
     } else if (ask.recover && left_over_) {

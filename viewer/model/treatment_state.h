@@ -100,7 +100,8 @@ struct ShownRetouch {
     bool stale = false;       // they have been changed since
 };
 
-struct TreatmentState {
+// Which treatment it is, and whether one may work on it.
+struct TreatmentStatus {
     bool on = false;      // the painting is one under treatment
     bool usable = false;  // and was found to be as its log says
     bool checking = false;
@@ -113,10 +114,10 @@ struct TreatmentState {
     bool scale_known = false;
     float width_mm = 0;        // of a painting whose scale is unknown, as a treatment begins; 0: not given
     bool scale_asked = false;  // for it, once: a treatment keeps the scale that it began with
-    bool in_front = true;      // in a narrow window: it is seen, and not what else there is of panels
-    const char* forward = "";  // the tab that is to be seen: "Colour" when a match was found
+};
 
-    // Damage.
+// Damage that is drawn.
+struct DamageDrawing {
     std::array<DamageRow, kDamageClasses.size()> damage;
     DamageClass current = DamageClass::loss_to_ground;  // that is drawn
     MaskTool mask_tool = MaskTool::brush;
@@ -127,20 +128,29 @@ struct TreatmentState {
     int edits = 0;                                      // that are not in the log
     bool can_redo = false;
     std::vector<glm::dvec2> polygon;  // under way [pixels of the painting]
-    bool map = true;                  // is shown
+    std::vector<MaskTouch> touches;   // since they were taken
+};
+
+// How its map is shown.
+struct DamageMapState {
+    bool map = true;  // is shown
     MapStyle style = MapStyle::filled;
     float opacity = 0.5f;
+    unsigned map_texture = 0;  // OpenGL's name of its picture
+};
+
+// Damage that is suggested.
+struct SuggestionState {
     Suggesting suggesting = Suggesting::loss;
     LossOptions loss;
     CraquelureOptions craquelure;
     GlossOptions gloss;
     AreaOptions areas;
     std::optional<ShownSuggestion> suggestion;
-    std::vector<MaskTouch> touches;  // since they were taken
-    // The map as a texture.
-    unsigned map_texture = 0;
+};
 
-    // Steps.
+// Steps: fills, varnishes and retouches, and the layers that they are.
+struct StepState {
     std::set<DamageClass> where = {DamageClass::loss_to_ground};
     bool confined = true;
     float feather_mm = 0;
@@ -155,12 +165,18 @@ struct TreatmentState {
     bool layers_moved = false;   // since the panel drew them last
     double layers_moved_s = -1;  // when that was, by the panel's clock
     NextUndo next_undo;
+};
+
+// What of the treatment is on the painting that is seen.
+struct StageState {
     std::optional<TreatmentStage> state;  // that is shown instead of what is there now
     std::optional<TreatmentStage> left = TreatmentStage::before, right;  // held against each other; or now
     bool additions = false;                                              // in false colour
     float distance_m = 2;
+};
 
-    // Colour.
+// Recipes for a colour.
+struct ColourMatchState {
     std::array<bool, kIlluminants> illuminants = {true, false, true, true, false};  // that count
     int most_paints = 4;
     bool film = true;  // as thin as the retouch, over what lies there; else one that hides
@@ -170,23 +186,56 @@ struct TreatmentState {
         std::string first, second, why;  // words with commas between them
     } new_pair;
     std::optional<ShownMatch> match;
+};
 
+// Requests of the treatment's panels, by what they are about.
+struct DamageRequests {
+    bool suggest = false, accept = false, drop_suggestion = false, keep = false, drop_edits = false,
+         undo = false, redo = false;
+
+    friend bool operator==(const DamageRequests&, const DamageRequests&) = default;
+};
+
+struct StepRequests {
+    bool fill = false, isolate = false, varnish = false;
+    bool preview = false, apply = false, drop_preview = false, undo_step = false, remove_all = false;
+    std::string remove;  // a layer
+
+    friend bool operator==(const StepRequests&, const StepRequests&) = default;
+};
+
+struct StageRequests {
+    bool compare_states = false, see_from = false, stop_comparing = false;
+
+    friend bool operator==(const StageRequests&, const StageRequests&) = default;
+};
+
+struct ColourMatchRequests {
+    bool match_around = false;
+    std::optional<glm::dvec2> match_at;  // [pixels of the painting]
+    bool add_pair = false, usual_pairs = false;
+    int drop_pair = -1;  // of `pairs`
+
+    friend bool operator==(const ColourMatchRequests&, const ColourMatchRequests&) = default;
+};
+
+// Its parts are bases, so that a function can take the one that it is about.
+struct TreatmentState : TreatmentStatus,
+                        DamageDrawing,
+                        DamageMapState,
+                        SuggestionState,
+                        StepState,
+                        StageState,
+                        ColourMatchState {
+    bool in_front = true;           // in a narrow window: it is seen, and not what else there is of panels
+    const char* forward = "";       // the tab that is to be seen: "Colour" when a match was found
     std::optional<Job::State> job;  // that runs
     std::string job_title;
 
     // What is asked for; done and cleared once a frame.
-    struct Ask {
-        bool begin = false, open_dialog = false, check = false, report_dialog = false, stop = false;
-        bool suggest = false, accept = false, drop_suggestion = false, keep = false, drop_edits = false,
-             undo = false, redo = false;
-        bool fill = false, isolate = false, varnish = false, remove_all = false;
-        bool preview = false, apply = false, drop_preview = false, undo_step = false, report_wanted = false;
-        bool compare_states = false, see_from = false, stop_comparing = false;
-        bool match_around = false;
-        bool add_pair = false, usual_pairs = false;
-        int drop_pair = -1;                  // of `pairs`
-        std::optional<glm::dvec2> match_at;  // [pixels of the painting]
-        std::string remove;                  // a layer
+    struct Ask : DamageRequests, StepRequests, StageRequests, ColourMatchRequests {
+        bool begin = false, open_dialog = false, check = false, stop = false;
+        bool report_dialog = false, report_wanted = false;
         std::filesystem::path open, report;
 
         friend bool operator==(const Ask&, const Ask&) = default;

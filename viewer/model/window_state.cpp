@@ -31,7 +31,8 @@ double NewCanvas::bytes() const {
     return kBytesAPixel * pixels().x * pixels().y;
 }
 
-WindowState::WindowState() : brushes(brush_presets()) {
+WindowState::WindowState() {
+    brushes = brush_presets();
     use_brush("flat");
     use_palette(artist_acrylics());
 }

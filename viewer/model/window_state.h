@@ -164,10 +164,8 @@ struct Following {
     std::string gamepad;     // its name; empty: there is none
 };
 
-struct WindowState {
-    WindowState();
-
-    // The painting, as opened.
+// The painting, as opened.
+struct OpenedState {
     std::string title;
     Extent painting;
     double mm_per_pixel = 1;         // in the unit of its heights, which are pixels where it has no scale
@@ -176,14 +174,26 @@ struct WindowState {
     double height_unit_mm() const { return stroke_mm_per_pixel / mm_per_pixel; }
     ReflectanceModel reflectance_model{};
     float lowest_mm = 0, highest_mm = 1;
-    bool from_photographs = false;  // and so can be compared with them
+    bool from_photographs = false;    // and so can be compared with them
+    std::vector<std::string> doubts;  // that the fit had, as the painting's file has them
+};
 
-    // Looking.
+// How it is seen.
+struct ViewState {
     View view;
     Tilt tilt;
     bool flat = false;
     Vec3 viewer{0, 0, 1};  // direction from the middle of the screen, for gloss
     Following follow;
+    ViewMode mode = ViewMode::painting;
+    float strength = 0.7f, sharpness = 40;
+    float most_curvature = 1;  // [1/mm] in the unit of its heights
+    bool loupe = false, probing = true;
+    float canvas_left = 0;  // [pixels of the window] where the painting's part of it begins
+};
+
+// How it is lit.
+struct LightingState {
     Illuminant illuminant = Illuminant::d65;  // the colour of all lights
     std::vector<ViewLight> lights{ViewLight{}};
     std::size_t light = 0;  // that is moved
@@ -191,13 +201,10 @@ struct WindowState {
     float ambient = 0.03f, exposure_stops = 0, shoulder = 0.15f, light_radius_deg = 1.5f;
     bool shadows = true;
     WardModel model = WardModel::bounded;
-    ViewMode mode = ViewMode::painting;
-    float strength = 0.7f, sharpness = 40;
-    float most_curvature = 1;  // [1/mm] in the unit of its heights
-    bool loupe = false, probing = true;
+};
 
-    // Painting.
-    Tool tool = Tool::tilt;
+// What it is painted with.
+struct BrushState {
     Palette palette;
     std::map<std::string, BrushSettings> brushes;
     std::string brush_name = "flat";
@@ -208,30 +215,43 @@ struct WindowState {
     std::map<std::string, float> mix;  // parts of paints on the brush
     PaintFinish finish;                // of the mixture
     BoardState board;
-    NewCanvas new_canvas;
     std::vector<Rgb> paint_colours;  // [sRGB] of the palette's paints, opaque
+};
 
-    // What the painter told, and the user.
-    PainterState painter;
+// What was measured of it.
+struct MeasurementState {
     std::optional<Probe> probe;
+    std::optional<std::pair<glm::dvec2, glm::dvec2>> ruler;  // [pixels of the painting]
+    std::optional<HeightProfile> profile;                    // along it
+    std::optional<Region> region;                            // that was chosen
+    std::optional<RegionStatistics> statistics;              // of it
+};
+
+// What the user is told.
+struct MessageState {
     std::string message;
     double message_until_s = 0;
-    bool whole_message = false;         // however long it is: else it is cut to two lines
-    std::vector<std::string> doubts;    // that the fit had, as the painting's file has them
-    std::deque<std::string> said;       // by the window, the newest last
-    bool paint_comes_first = false;     // of the panels
-    int window_width = 10'000;          // [pixels]
+    bool whole_message = false;    // however long it is: else it is cut to two lines
+    std::deque<std::string> said;  // by the window, the newest last
+};
+
+// Strokes that were not saved: what becomes of them is asked before anything else.
+struct UnsavedState {
     int left_over_strokes = 0;          // that a crash left: recover or discard
     bool left_over_of_another = false;  // they were made on another painting than lies here now
     bool closing = false;               // with unsaved strokes: asked what to do
     struct Finishing {
         std::size_t all = 0, left = 0;  // events
     };
-    std::optional<Finishing> finishing;                      // to be closed once these are painted
-    std::optional<std::pair<glm::dvec2, glm::dvec2>> ruler;  // [pixels of the painting]
-    std::optional<HeightProfile> profile;                    // along it
-    std::optional<Region> region;                            // that was chosen
-    std::optional<RegionStatistics> statistics;              // of it
+    std::optional<Finishing> finishing;  // to be closed once these are painted
+    std::filesystem::path dropped;       // a folder: compare or fit?
+    std::filesystem::path open_next;     // once it is decided what becomes of strokes that are not saved
+};
+
+// The panels themselves.
+struct PanelState {
+    bool paint_comes_first = false;
+    int window_width = 10'000;  // [pixels]
     double frame_ms = 0;
     bool help = false;
     float scale = 1;  // [1] of the panels: 2 on a screen of twice the usual density
@@ -239,38 +259,98 @@ struct WindowState {
     std::optional<Action> rebinding;  // the next key is this action's
     std::vector<std::string> pens;
     std::string monitor;  // what its colours are
+};
 
-    // Beside the painting.
-    Comparing comparing;
+// What runs beside the window.
+struct JobsState {
     std::optional<Job::State> job;  // that runs
     std::string job_title;
     std::optional<Job::State> film;  // of a sweep, that is written
-    std::vector<std::filesystem::path> recent;
-    std::filesystem::path dropped;    // a folder: compare or fit?
-    std::filesystem::path open_next;  // once it is decided what becomes of strokes that are not saved
+};
 
+// Requests of the panels and the hand, by who does them.
+struct ViewRequests {
+    bool fit = false, one_to_one = false, straighten = false, snapshot = false;
+    bool film_dialog = false, stop_film = false;
+    std::filesystem::path film;
+
+    friend bool operator==(const ViewRequests&, const ViewRequests&) = default;
+};
+
+struct PaintRequests {
+    bool undo = false, redo = false, dry = false, wash = false;
+    bool lay_out = false, wipe_board = false, squeeze = false;
+    std::string lift;  // name of a layer
+    bool palette_dialog = false;
+    std::filesystem::path palette;
+
+    friend bool operator==(const PaintRequests&, const PaintRequests&) = default;
+};
+
+struct SavingRequests {
+    bool save = false, save_dialog = false;
+    std::filesystem::path save_as;
+    const ExportFormat* export_dialog = nullptr;  // one of kExportFormats
+    const ExportFormat* format = nullptr;         // and where to: `export_to`
+    std::filesystem::path export_to;
+
+    friend bool operator==(const SavingRequests&, const SavingRequests&) = default;
+};
+
+struct ClosingRequests {
+    bool recover = false, discard = false;
+    bool close = false, close_unsaved = false, close_now = false, stay = false;
+
+    friend bool operator==(const ClosingRequests&, const ClosingRequests&) = default;
+};
+
+struct PhotoRequests {
+    bool photos_dialog = false, put_photos_away = false, fit_dialog = false;
+    std::filesystem::path photos, fit_folder;
+    int step_photo = 0;
+    std::optional<int> photo;
+    bool report_dialog = false, stop_report = false;
+    std::filesystem::path report;
+
+    friend bool operator==(const PhotoRequests&, const PhotoRequests&) = default;
+};
+
+struct OpeningRequests {
+    bool open_dialog = false, stop_job = false;
+    std::filesystem::path open;
+    bool new_canvas = false, begin_canvas = false, substrate_dialog = false, height_dialog = false;
+    std::filesystem::path substrate, height_from;
+
+    friend bool operator==(const OpeningRequests&, const OpeningRequests&) = default;
+};
+
+// Its parts are bases, so that a function can take the one that it is about.
+struct WindowState : OpenedState,
+                     ViewState,
+                     LightingState,
+                     BrushState,
+                     MeasurementState,
+                     MessageState,
+                     UnsavedState,
+                     PanelState,
+                     JobsState {
+    WindowState();
+
+    Tool tool = Tool::tilt;
+    NewCanvas new_canvas;
+    PainterState painter;  // what the painter told
+    Comparing comparing;
+    std::vector<std::filesystem::path> recent;
     TreatmentState treatment_state;
-    float canvas_left = 0;  // [pixels of the window] where the painting's part of it begins
 
     // What the panels ask for; the window does it and clears them.
-    struct Requests {
-        bool fit = false, one_to_one = false, straighten = false, undo = false, redo = false, save = false,
-             dry = false, wash = false, snapshot = false, recover = false, discard = false, close = false,
-             close_unsaved = false, close_now = false, stay = false;
-        bool stop_job = false, stop_report = false, open_dialog = false, save_dialog = false,
-             photos_dialog = false, fit_dialog = false, report_dialog = false, put_photos_away = false;
-        bool film_dialog = false, stop_film = false;
-        bool lay_out = false, wipe_board = false, squeeze = false;
-        int step_photo = 0;
-        std::optional<int> photo;
-        bool palette_dialog = false;
+    struct Requests : ViewRequests,
+                      PaintRequests,
+                      SavingRequests,
+                      ClosingRequests,
+                      PhotoRequests,
+                      OpeningRequests {
         bool keys_changed = false, usual_keys = false;
-        const ExportFormat* export_dialog = nullptr;  // one of kExportFormats
-        const ExportFormat* format = nullptr;         // and where to: `export_to`
-        bool new_canvas = false, begin_canvas = false, substrate_dialog = false, height_dialog = false;
-        std::filesystem::path open, save_as, photos, fit_folder, report, film, palette, substrate,
-            height_from, export_to;
-        std::string lift;  // name of a layer
 
         friend bool operator==(const Requests&, const Requests&) = default;
     } ask;

@@ -201,7 +201,7 @@ private:
     std::string suggestion_made_with(Suggesting what) const;
     void find_stale();
     void read_pairs();
-    void change_pairs(const TreatmentState::Ask& ask);
+    void change_pairs(const ColourMatchRequests& ask);
 
     WindowState& state_;
     Setup setup_;

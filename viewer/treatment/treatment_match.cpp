@@ -169,7 +169,7 @@ void TreatmentController::read_pairs() {
     state_.treatment_state.pairs = *pairs_;
 }
 
-void TreatmentController::change_pairs(const TreatmentState::Ask& ask) {
+void TreatmentController::change_pairs(const ColourMatchRequests& ask) {
     std::vector<PigmentPair> pairs = *pairs_;
     if (ask.drop_pair >= 0 && ask.drop_pair < static_cast<int>(pairs.size()))
         pairs.erase(pairs.begin() + ask.drop_pair);
