@@ -52,7 +52,7 @@ void WindowApp::photo_dialogs(const PhotoRequests& ask) {
     using Requests = WindowState::Requests;
     const std::filesystem::path here = std::filesystem::absolute(painter_->file()).parent_path();
     if (ask.photos_dialog && !state_.from_photographs)
-        say("this painting was not fitted to photographs: there is nothing to hold against it");
+        say("this painting was not fitted to photographs: there is nothing to compare it with");
     else if (ask.photos_dialog)
         choose({"The folder of photographs", Wants::folder, here}, &Requests::photos);
     if (ask.fit_dialog)

@@ -190,7 +190,7 @@ void TreatmentController::accept() {
         return;
     }
     if (shown.shown == 0) {
-        setup_.say("nothing was found that could be taken over; what is mapped stays");
+        setup_.say("nothing was found to accept; what is mapped stays");
         return;
     }
     if (const auto drawn = drafts_.find(shown.as); drawn != drafts_.end() && drawn->second.can_undo()) {
