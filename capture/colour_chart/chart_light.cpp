@@ -189,7 +189,8 @@ bool ChartLightFit::add_photographs(int degree) {
         // The strength of all lights and of the matrix cannot be told apart: one of them is kept.
         std::vector<int> kept;
         if (!fixed) kept.push_back(0);
-        if (degree == 1) kept.insert(kept.end(), {3, 4, 5});
+        if (degree == 1)
+            for (const int quadratic : {3, 4, 5}) kept.push_back(quadratic);
         fixed = true;
         if (!kept.empty()) problem_.SetManifold(light.terms.data(), new ceres::SubsetManifold(6, kept));
     }

@@ -190,7 +190,7 @@ namespace {
 // The search for the circle whose shading fits best.
 class DiffuseSphereSearch {
 public:
-    DiffuseSphereSearch(const SphereScene& scene, const std::optional<Transfer>& transfer) : scene_(scene) {
+    DiffuseSphereSearch(const SphereStack& scene, const std::optional<Transfer>& transfer) : scene_(scene) {
         if (transfer) curves_ = {*transfer};
     }
     void find_circles();
@@ -203,7 +203,7 @@ private:
     Quality shade(DiffuseSphere& candidate) const;
     void try_circle(const Circle& circle, const SphereImage& image, SphereCrops crops);
 
-    const SphereScene& scene_;
+    const SphereStack& scene_;
     std::vector<Transfer> curves_ = {Transfer{}, {Transfer::Kind::srgb}, {Transfer::Kind::gamma, 2.2}};
     std::vector<Circle> circles_;
     std::optional<SphereImage> before_;
@@ -295,7 +295,7 @@ DiffuseSphere DiffuseSphereSearch::found() {
 
 }  // namespace
 
-DiffuseSphere find_diffuse_sphere(const SphereScene& scene, const std::optional<Transfer>& transfer,
+DiffuseSphere find_diffuse_sphere(const SphereStack& scene, const std::optional<Transfer>& transfer,
                                   const Progress& progress) {
     DiffuseSphereSearch search(scene, transfer);
     report(progress, "find spheres", 0);
@@ -305,7 +305,7 @@ DiffuseSphere find_diffuse_sphere(const SphereScene& scene, const std::optional<
     return search.found();
 }
 
-std::optional<DiffuseSphere> clear_diffuse_sphere(const SphereScene& scene,
+std::optional<DiffuseSphere> clear_diffuse_sphere(const SphereStack& scene,
                                                   const std::optional<Transfer>& transfer) {
     try {
         DiffuseSphere matt = find_diffuse_sphere(scene, transfer);

@@ -35,11 +35,11 @@ struct DiffuseSphere {
 
 // Finds the sphere where it is given, or else the circle in the picture whose shading fits best. Throws Error
 // where there is none.
-DiffuseSphere find_diffuse_sphere(const SphereScene& scene, const std::optional<Transfer>& transfer,
+DiffuseSphere find_diffuse_sphere(const SphereStack& scene, const std::optional<Transfer>& transfer,
                                   const Progress& progress = {});
 
 // As find_diffuse_sphere(), where its shading and outline leave no doubt; nothing else.
-std::optional<DiffuseSphere> clear_diffuse_sphere(const SphereScene& scene,
+std::optional<DiffuseSphere> clear_diffuse_sphere(const SphereStack& scene,
                                                   const std::optional<Transfer>& transfer);
 
 }  // namespace tangi

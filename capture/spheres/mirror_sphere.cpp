@@ -224,7 +224,7 @@ namespace {
 // Spheres of a stack, as they are found.
 class SphereFinder {
 public:
-    SphereFinder(const SphereScene& scene, const Progress& progress)
+    SphereFinder(const SphereStack& scene, const Progress& progress)
         : set_(scene.set),
           photos_(scene.photos),
           drifts_(scene.drifts),
@@ -328,7 +328,7 @@ void SphereFinder::add_twins(const std::vector<SphereImage>& known) {
 
 }  // namespace
 
-SphereSearch find_mirror_spheres(const SphereScene& scene, const std::optional<double>& expected_px,
+SphereSearch find_mirror_spheres(const SphereStack& scene, const std::optional<double>& expected_px,
                                  const Progress& progress) {
     const std::span<const GivenSphere> given = scene.given;
     report(progress, "find spheres", 0);

@@ -45,7 +45,7 @@ public:
 };
 
 // Where spheres are sought.
-struct SphereScene {
+struct SphereStack {
     const PhotoSet& set;
     const GreyPhotos& photos;     // of the set
     const CameraMotions& drifts;  // of these
@@ -64,7 +64,7 @@ struct SphereSearch {
 // shows few, unless it has the first one's size and shows the same lights. Spheres given by the user are
 // sought only where they are given; one that is not there is left out with a warning, and Error says so where
 // no sphere is left. Without given spheres, no sphere at all is an Error too.
-SphereSearch find_mirror_spheres(const SphereScene& scene, const std::optional<double>& expected_px = {},
+SphereSearch find_mirror_spheres(const SphereStack& scene, const std::optional<double>& expected_px = {},
                                  const Progress& progress = {});
 
 // Outline and highlights once more, for a camera that is known by now.

@@ -107,7 +107,7 @@ struct ShortcutTable {
          {damage_map, "damage-map", "X", "damage map: show it, or not"},
          {suggest, "suggest", "Ctrl+G", "damage: suggest what the panel says"},
          {accept, "accept", "Ctrl+Enter",
-         "accept what was suggested, or apply the retouch that is previewed"},
+          "accept what was suggested, or apply the retouch that is previewed"},
          {keep_damage, "keep-damage", "Ctrl+K", "damage: enter the corrections in the log"},
          {fill_losses, "fill-losses", "Ctrl+F", "treatment: fill"},
          {isolate, "isolate", "Ctrl+I", "treatment: isolating varnish"},
