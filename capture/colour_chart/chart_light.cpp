@@ -24,7 +24,8 @@ constexpr double kOutlier = 0.08;       // [1] relative, of the brightness
 constexpr double kOutlierFloor = 0.004;  // [1] of the white patch, beside it: stray light on dark patches
 
 std::array<double, 6> basis_at(int patch) {
-    const double x = (patch % kChartColumns + 0.5) / 3 - 1, y = (patch / kChartColumns + 0.5) / 3 - 2.0 / 3;
+    const auto column = patch % kChartColumns, row = patch / kChartColumns;
+    const double x = (column + 0.5) / 3 - 1, y = (row + 0.5) / 3 - 2.0 / 3;
     return {1, x, y, x * x, x * y, y * y};
 }
 

@@ -26,8 +26,8 @@ dvec3 roots(const dvec3& linear) {
 double luminance_of(const dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
 dvec2 centre_of(std::size_t patch) {
-    return {static_cast<double>(patch % kChartColumns) + 0.5,
-            static_cast<double>(patch / kChartColumns) + 0.5};
+    const std::size_t column = patch % kChartColumns, row = patch / kChartColumns;
+    return {static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5};
 }
 
 // Weighted least squares of target = matrix * colour.
