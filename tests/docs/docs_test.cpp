@@ -51,6 +51,14 @@ TEST(Docs, AreInShortSentences) {
     EXPECT_GT(seen, 8);
 }
 
+TEST(Docs, NameTestsThatAreThere) {
+    std::set<std::string> tests;
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(TP_SOURCE_DIR) / "tests"))
+        if (entry.path().extension() == ".cpp") tests.merge(tests_in(text_of(entry.path())));
+    ASSERT_GT(tests.size(), 1000u);
+    EXPECT_THAT(missing_tests(pages(), tests), IsEmpty());
+}
+
 TEST(Docs, BeginWithAPage) { EXPECT_LE(lines_in(pages().at("README.md")), 100); }
 
 // From the index every page is reached, so that none is a dead end that nobody finds.
@@ -94,6 +102,18 @@ TEST(Docs, WithPicturesThatNobodyShowsAreNoticed) {
     EXPECT_THAT(unused_pictures({{"docs/a.md", "![a](images/used.png)"}},
                                 {"docs/images/used.png", "docs/images/old.png"}),
                 ElementsAre("docs/images/old.png is shown on no page"));
+}
+
+TEST(Docs, WithTestsThatAreNotThereAreNoticed) {
+    const std::set<std::string> tests =
+        tests_in("TEST(Suite, Finds) {}\nTEST_F(Suite,\n     FindsMore) {}\n");
+    EXPECT_THAT(tests, ElementsAre("Suite.Finds", "Suite.FindsMore"));
+    const auto missing = [&](const std::string& text) { return missing_tests({{"a.md", text}}, tests); };
+    EXPECT_THAT(missing("`Suite.Finds`, `Suite.FindsM*` and Suite.FindsMore; IMG_1.CR2, read me.Please"),
+                IsEmpty());
+    EXPECT_THAT(missing("`Suite.FindsM`"), ElementsAre("a.md: Suite.FindsM is no test"));
+    EXPECT_THAT(missing("`Suite.Loses*`"), ElementsAre("a.md: Suite.Loses is no test"));
+    EXPECT_THAT(missing("`Other.Finds`"), ElementsAre("a.md: Other.Finds is no test"));
 }
 
 std::string words(int count) {
