@@ -2,17 +2,22 @@
 
 # What the sanitizers leave out: half a minute and more each there, and shorter tests reach the same code.
 set(TP_LONG_TESTS
-    "AForeignPhotograph." "AreaSuggestion.DoesNotDepend" "AreaSuggestion.FindsNothing" "SphereCalibration.Names"
-    "SphereFocal.NumbersThatContradict" "SphereFocal.OfOneSphereAside" "DamageSuggestion.DoesNotDepend"
-    "DamageSuggestion.TellsVarnish" "ExchangedLights." "FitExposure." "FitPainting.BandsAreInvisible"
-    "FitPainting.DoesNotDepend" "FitPainting.FindsHow" "FitPainting.FindsTheColour" "FitPainting.HeldOutPhotographs"
-    "FitPainting.LeavesLobes" "FitPainting.MirroredPhotographs" "FitPainting.RecoversAGlossyPainting"
-    "FitPainting.Reports" "FitPainting.Subtracts" "FitPainting.TakesLobes" "FitPainting.TheSecondPassOfMirrored"
-    "FitPainting.WithNearUnequal" "FitPasses.Heavy" "Height.LongWaves" "HeightCoverage." "Landscape." "ReflectanceModelSelection."
-    "LightBeams." "LightCalibration." "LightDirections." "LightPixels." "MirrorSphere.IsFollowed" "MirrorSphere.IsMissing"
-    "MirrorSphere.IsNoneWhoseSpots" "MirrorSphere.IsOfTheSize" "MirrorSphere.LeavesOut" "MirrorSpheres." "LightOutlierVote."
-    "RegisterStack.Fails" "RegisterStack.IsTheSame" "RegisterStack.NamesAPhotograph" "RegisterStack.RecoversShiftsOfMany"
-    "RegisterStack.StatedErrors" "StillLife.IsTheSame" "TransferEstimate.FindsAGamma" "TransferEstimate.FindsATone"
+    "AForeignPhotograph." "AreaSuggestion.DoesNotDepend" "AreaSuggestion.FindsNothing"
+    "CameraMotions.FindsZoomAndRoll" "Crevices.AreNoBlack" "DamageSuggestion.DoesNotDepend"
+    "DamageSuggestion.TellsVarnish" "DiffuseSphere.IsWhereAnIdeal" "ExchangedLights." "FitExposure."
+    "FitPainting.BandsAreInvisible" "FitPainting.DoesNotDepend" "FitPainting.FindsHow" "FitPainting.FindsTheColour"
+    "FitPainting.HeldOutPhotographs" "FitPainting.LeavesLobes" "FitPainting.MirroredPhotographs"
+    "FitPainting.RecoversAGlossyPainting" "FitPainting.Reports" "FitPainting.Subtracts" "FitPainting.TakesLobes"
+    "FitPainting.TheSecondPassOfMirrored" "FitPainting.WithNearUnequal" "FitPasses.Heavy"
+    "FitWhiteBalance.ThatChanges" "Height.LongWaves" "HeightCoverage." "Landscape." "LargePictures." "LightBeams."
+    "LightCalibration." "LightDirections." "LightOutlierVote." "LightPixels." "MirrorSphere.IsFollowed"
+    "MirrorSphere.IsMissing" "MirrorSphere.IsNoneThatShows" "MirrorSphere.IsNoneWhoseSpots" "MirrorSphere.IsOfTheSize"
+    "MirrorSphere.LeavesOut" "MirrorSphere.WithRings" "MirrorSpheres." "PhotoMisfit.FocusThatDrifts"
+    "PhotoMisfit.Honest" "PhotoMisfit.LightThatDidNotFire" "PhotoMisfit.VeilIsMeasured" "ReflectanceModelSelection."
+    "RegisterStack.Fails" "RegisterStack.FindsTheOne" "RegisterStack.IsTheSame" "RegisterStack.NamesAPhotograph"
+    "RegisterStack.RecoversShiftsOfMany" "RegisterStack.StatedErrors" "SphereCalibration.Names"
+    "SphereFocal.NumbersThatContradict" "SphereFocal.OfOneSphereAside" "StillLife.IsTheSame"
+    "TransferEstimate.FindsAGamma" "TransferEstimate.FindsATone" "TransferEvidence.OfADome" "TransferEvidence.OfRings"
     "Uncalibrated.NearLights")
 
 # What .ci/run leaves out: measurements on whole stacks and recoveries that take a minute and more, of which shorter tests
