@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
+#include "capture/formats/lights_format.h"
 #include "capture/photo/raw_file.h"
 #include "cli/command.h"
 #include "retouch/treatment/treatment_folder.h"
@@ -117,7 +118,10 @@ std::optional<Transfer> parse_transfer(const std::string& text) {
 void PhotosArguments::add_light_flags(Flags& flags) {
     flags.option(
         "--lights", lights,
-        "lights file (.lp), or the capture.json of calibrate; where not given, the only .lp in the folder");
+        fmt::format(
+            "lights file ({}), or the capture.json of calibrate; where not given, the only one in the "
+            "folder",
+            extensions_in_words([](const LightsFormat& format) { return !format.is_capture; })));
     flags.flag(
         "--lights-mm", lights_mm,
         "the vectors of the .lp are the lights' positions in mm from the picture's centre (x right, y up, "

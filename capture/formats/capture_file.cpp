@@ -24,6 +24,7 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kFormat = "tangipaint capture 1";
+constexpr std::string_view kAnyFormat = "tangipaint capture ";
 
 glm::dvec3 vector_in(const JsonField& field, double size) {
     const std::vector<JsonField> n = field.list();
@@ -215,6 +216,12 @@ void read_what_is_poor(const json& whole, const std::string& file, CaptureFile& 
 }
 
 }  // namespace
+
+bool looks_like_capture(const std::string& text) {
+    const json whole = json_or_discarded(text);
+    return whole.is_object() && whole.contains("format") && whole["format"].is_string() &&
+           whole["format"].get_ref<const std::string&>().starts_with(kAnyFormat);
+}
 
 CaptureFile read_capture_file(const std::filesystem::path& path) {
     const std::string file = path.string();

@@ -45,6 +45,9 @@ CalibrationFiles calibration_files(const std::filesystem::path& out);
 // Whether a lights file has the lights of the capture file beside it; false where one of them is none.
 bool is_lights_file_of(const std::filesystem::path& lights, const std::filesystem::path& capture);
 
+// Whether it is JSON that says that it is a capture file, of this version or a later one.
+bool looks_like_capture(const std::string& text);
+
 // Lights of which only the direction was found, among others with positions, are taken to be as far away as
 // the others' median, with a warning. Throws Error naming the file and the field: not JSON, another file's
 // JSON, a later format, a number that is missing or makes no sense.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 
 namespace tangi {
@@ -100,6 +101,12 @@ DomeFile parse_dome(const std::string& text, const std::string& file_name) {
     if (dome.lights.empty())
         fail("{}: holds no lights; expected directions, positionsSphere or positions3d", file_name);
     return dome;
+}
+
+bool looks_like_dome(const std::string& text) {
+    const nlohmann::json root = json_or_discarded(text);
+    return root.is_object() &&
+           (root.contains("directions") || root.contains("positionsSphere") || root.contains("positions3d"));
 }
 
 DomeFile read_dome_file(const fs::path& path) {

@@ -33,6 +33,9 @@ struct DomeFile {
 DomeFile read_dome_file(const std::filesystem::path& path);
 DomeFile parse_dome(const std::string& text, const std::string& file_name);
 
+// Whether it is JSON with vectors of a dome; else parse_dome() would have none.
+bool looks_like_dome(const std::string& text);
+
 // The same of the dome in another file; no lights at all are no error here.
 DomeFile dome_in(const JsonField& dome);
 

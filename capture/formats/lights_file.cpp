@@ -263,6 +263,15 @@ LightsFile parse_lights(const std::string& text, const std::string& file_name) {
     return reader.take(count);
 }
 
+bool looks_like_lights(const std::string& text) {
+    try {
+        parse_lights(text, "");
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 LightsFile read_lights_file(const fs::path& path) {
     if (!fs::exists(path)) fail("{}: no such lights file", path.string());
     if (fs::is_directory(path)) fail("{}: is a folder; name the lights file (.lp) in it", path.string());

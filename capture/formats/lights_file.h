@@ -39,6 +39,9 @@ struct LightsFile {
 LightsFile read_lights_file(const std::filesystem::path& path);
 LightsFile parse_lights(const std::string& text, const std::string& file_name);
 
+// Whether parse_lights() would take it.
+bool looks_like_lights(const std::string& text);
+
 // A lights file of unit directions, 6 decimals.
 std::string lights_text(std::span<const Light> lights);
 

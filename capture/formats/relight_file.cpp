@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "capture/formats/dome_file.h"
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 
 namespace tangi {
@@ -111,6 +112,11 @@ RelightFile parse_relight(const std::string& text, const std::string& file_name)
     if (!without.empty())
         result.warnings.push_back(fmt::format("{}: has no light for {}; rejected", file_name, without));
     return result;
+}
+
+bool looks_like_relight(const std::string& text) {
+    const nlohmann::json root = json_or_discarded(text);
+    return root.is_object() && root.contains("images") && (root.contains("dome") || root.contains("spheres"));
 }
 
 RelightFile read_relight_file(const fs::path& path) {

@@ -32,4 +32,7 @@ struct RelightFile {
 RelightFile read_relight_file(const std::filesystem::path& path);
 RelightFile parse_relight(const std::string& text, const std::string& file_name);
 
+// Whether it is JSON with photographs, and a dome or spheres.
+bool looks_like_relight(const std::string& text);
+
 }  // namespace tangi

@@ -4,13 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "capture/formats/dome_file.h"
-#include "capture/formats/lights_file.h"
-#include "capture/formats/relight_file.h"
+#include "capture/formats/lights_format.h"
 #include "capture/photo/photo_folder.h"
 #include "surface/base/error.h"
 #include "surface/file/visible_files.h"
-#include "surface/image_file/image_io.h"
 
 namespace tangi {
 
@@ -22,9 +19,9 @@ namespace {
 fs::path find_lights_file(const fs::path& folder) {
     std::vector<std::string> found, of_others;
     for (const fs::path& path : visible_files(folder)) {
-        const std::string extension = lower_extension(path);
-        if (extension == ".lp") found.push_back(path.filename().string());
-        if (extension == ".dome" || extension == ".relight") of_others.push_back(path.filename().string());
+        const LightsFormat* format = lights_format_named(path);
+        if (!format || format->search == LightsSearch::never) continue;
+        (format->search == LightsSearch::first ? found : of_others).push_back(path.filename().string());
     }
     if (found.empty()) found = std::move(of_others);
     std::sort(found.begin(), found.end());
@@ -35,11 +32,13 @@ fs::path find_lights_file(const fs::path& folder) {
             folder.string());
     if (found.empty())
         fail(
-            "{0}: no lights file (.lp, .dome or .relight) in this folder; name one with --lights FILE.lp, or "
+            "{0}: no lights file ({1}) in this folder; name one with --lights FILE.lp, or "
             "make one from the photographs: tangipaint calibrate {0} --out {0}/lights.lp --uncalibrated "
             "(without "
             "--uncalibrated where they show a mirror sphere)",
-            folder.string());
+            folder.string(), extensions_in_words([](const LightsFormat& format) {
+                return format.search != LightsSearch::never;
+            }));
     if (found.size() > 1)
         fail("{}: {} lights files in this folder ({}); choose one with --lights FILE.lp", folder.string(),
              found.size(), joined(found));
@@ -100,7 +99,7 @@ constexpr double kLengthsDiffer = 1.05;
 constexpr double kCoarse_deg = 0.5;  // of directions; two are the same within that (duplicate_photos.h)
 
 // [1] Half a unit of the last decimal of directions: each component is within that of what was meant.
-double rounding_of(const LightsFile& file) { return 0.5 * std::pow(10.0, -file.decimals); }
+double rounding_of(const LightList& file) { return 0.5 * std::pow(10.0, -file.decimals); }
 
 // The standard errors of an .lp that `tangipaint calibrate` wrote are in the capture file beside it, and what
 // is poor about it.
@@ -125,11 +124,9 @@ Vec3 turned(const Vec3& v, double degrees) {
     return Vec3(static_cast<float>(c * x - s * y), static_cast<float>(s * x + c * y), v.z);
 }
 
-void read_lp(const fs::path& path, bool in_mm, const LightAxes& axes, StackCalibration& read) {
-    LightsFile file = read_lights_file(path);
-    read.lights = std::move(file.lights);
-    read.warnings = std::move(file.warnings);
-    read.rejected = std::move(file.rejected);
+// Vectors of which the file does not say what they are: directions, or positions where the user says so.
+void place_bare_vectors(const fs::path& path, const LightList& file, bool in_mm, const LightAxes& axes,
+                        StackCalibration& read) {
     add_what_is_beside(path, read);
     for (Light& light : read.lights) {
         if (axes.flip_x) light.direction.x *= -1;
@@ -158,42 +155,37 @@ void read_lp(const fs::path& path, bool in_mm, const LightAxes& axes, StackCalib
     }
 }
 
+std::string bare_formats() {
+    return extensions_in_words([](const LightsFormat& format) { return format.bare_vectors; });
+}
+
 [[noreturn]] void refuse_lights_in_mm(const fs::path& path) {
-    fail("{}: --lights-mm is about the vectors of an .lp; this file says itself what its lights are",
-         path.string());
+    fail("{}: --lights-mm is about the vectors of an {}; this file says itself what its lights are",
+         path.string(), bare_formats());
 }
 
 [[noreturn]] void refuse_axes(const fs::path& path) {
     fail(
-        "{}: --light-axes and --light-rotation-deg are about the vectors of an .lp; in this file x points "
+        "{}: --light-axes and --light-rotation-deg are about the vectors of an {}; in this file x points "
         "right "
         "and y up",
-        path.string());
+        path.string(), bare_formats());
 }
 
-// Of a lights file of any kind but capture.json.
-StackCalibration read_lights(const fs::path& path, bool in_mm, const LightAxes& axes) {
+// Of a lights file of any format but capture.json.
+StackCalibration lights_of(const fs::path& path, bool in_mm, const LightAxes& axes) {
+    const LightsFormat& format = lights_format_of(path);
+    if (in_mm && !format.bare_vectors) refuse_lights_in_mm(path);
+    if (axes.differ() && !format.bare_vectors) refuse_axes(path);
+    LightList file = format.read(path);
     StackCalibration read;
     read.lights_path = path;
-    const std::string extension = lower_extension(path);
-    const bool is_lp = extension != ".dome" && extension != ".relight";
-    if (in_mm && !is_lp) refuse_lights_in_mm(path);
-    if (axes.differ() && !is_lp) refuse_axes(path);
-    if (extension == ".dome") {
-        DomeFile dome = read_dome_file(path);
-        read.lights = std::move(dome.lights);
-        read.capture.emplace();
-        read.picture_width_mm = dome.picture_width_mm;
-        read.warnings = std::move(dome.warnings);
-    } else if (extension == ".relight") {
-        RelightFile project = read_relight_file(path);
-        read.lights = std::move(project.lights);
-        read.capture.emplace().mm_per_pixel = project.mm_per_pixel;
-        read.picture_width_mm = project.picture_width_mm;
-        read.warnings = std::move(project.warnings);
-    } else {
-        read_lp(path, in_mm, axes, read);
-    }
+    read.lights = std::move(file.lights);
+    read.warnings = std::move(file.warnings);
+    read.rejected = std::move(file.rejected);
+    read.picture_width_mm = file.picture_width_mm;
+    read.capture = std::move(file.capture);
+    if (format.bare_vectors) place_bare_vectors(path, file, in_mm, axes, read);
     if (read.capture) read.capture->lights = read.lights, read.capture_path = path;
     return read;
 }
@@ -261,7 +253,7 @@ void require_positions(const fs::path& folder, const StackCalibration& read,
 // A lights file, with what a capture file beside it says of all but the lights.
 StackCalibration read_beside(const fs::path& folder, const fs::path& lights_path, const StackOptions& options,
                              const LightAxes& axes, std::optional<CaptureFile> capture) {
-    StackCalibration read = read_lights(lights_path, options.lights_in_mm, axes);
+    StackCalibration read = lights_of(lights_path, options.lights_in_mm, axes);
     if (options.lights_in_mm) require_positions(folder, read, capture);
     if (!capture) return read;
     if (!options.lights_in_mm) read.lights = directions_of(read.lights);
@@ -310,7 +302,7 @@ StackCalibration read_stack_calibration(const fs::path& folder, const StackOptio
         lights_path = *options.lights_file;
     else
         lights_path = capture && !capture->lights.empty() ? *options.capture_file : find_lights_file(folder);
-    if (lower_extension(lights_path) != ".json")
+    if (!lights_format_of(lights_path).is_capture)
         return read_beside(folder, lights_path, options, axes, std::move(capture));
     return read_capture(lights_path, options, axes, std::move(capture));
 }

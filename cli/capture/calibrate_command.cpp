@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "capture/calibration/calibration_page.h"
+#include "capture/formats/lights_format.h"
 #include "capture/photo/stated_transfer.h"
 #include "capture/radiometry/develop_stack.h"
 #include "capture/stack/open_screened.h"
@@ -13,7 +14,6 @@
 #include "fit/pipeline/preprocess.h"
 #include "surface/base/error.h"
 #include "surface/file/atomic_file.h"
-#include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
 
 namespace tangi {
@@ -265,10 +265,20 @@ void refuse_to_replace(const CalibrateArguments& a) {
             a.out, joined(names));
 }
 
+// Of the formats of lights files, those that are written.
+void require_lights_out(const std::string& out) {
+    const LightsFormat* format = lights_format_named(out);
+    if (format && format->is_written) return;
+    std::string endings;
+    for (const LightsFormat& known : lights_formats())
+        if (known.is_written)
+            endings += fmt::format("{} {} {} {}", endings.empty() ? "a" : ", a", known.name,
+                                   endings.empty() ? "ends in" : "in", known.extension);
+    throw UsageError(fmt::format("--out {}: {}", out, endings));
+}
+
 void require_sense(const CalibrateArguments& a) {
-    const std::string extension = lower_extension(a.out);
-    if (extension != ".lp" && extension != ".json")
-        throw UsageError(fmt::format("--out {}: a lights file ends in .lp, a capture file in .json", a.out));
+    require_lights_out(a.out);
     if (a.folder.empty() == a.photos.empty())
         throw UsageError("give either a folder of photographs (PHOTOS) or photographs (--photos A B …)");
     if (a.inverted && !a.uncalibrated) throw UsageError("--inverted: goes with --uncalibrated");

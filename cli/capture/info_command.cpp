@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "capture/formats/lights_file.h"
+#include "capture/formats/lights_format.h"
 #include "capture/photo/photo_file.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
@@ -147,7 +147,7 @@ nlohmann::json describe(const Session& session) {
 }
 
 nlohmann::json describe_lights(const fs::path& path) {
-    const LightsFile file = read_lights_file(path);
+    const LightList file = read_lights(path);
     nlohmann::json lights = nlohmann::json::array();
     for (const Light& light : file.lights) {
         const Vec3& d = light.direction;
@@ -175,7 +175,7 @@ nlohmann::json run_info(const std::string& file) {
     if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
     const std::string extension = lower_extension(path);
     if (extension == ".ptm" || extension == ".rti") return describe_rti(path);
-    if (extension == ".lp") return describe_lights(path);
+    if (is_lights_file(path)) return describe_lights(path);
     if (extension == ".exr" && is_painting(path)) {
         const Progress progress = console_progress();
         Session session(read_canvas(path, progress), artist_acrylics());
@@ -205,8 +205,10 @@ Command info_command() {
     return {"info", "say what a painting, lights file or photograph holds", [](Flags& flags) {
                 auto file = std::make_shared<std::string>();
                 flags
-                    .option("FILE", *file,
-                            "painting (.exr), lights file (.lp), RTI file (.ptm, .rti) or photograph")
+                    .option(
+                        "FILE", *file,
+                        fmt::format("painting (.exr), lights file ({}), RTI file (.ptm, .rti) or photograph",
+                                    extensions_in_words([](const LightsFormat&) { return true; })))
                     .required();
                 return [file] { return run_info(*file); };
             }};

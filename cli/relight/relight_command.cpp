@@ -4,8 +4,7 @@
 #include <filesystem>
 #include <set>
 
-#include "capture/formats/capture_file.h"
-#include "capture/formats/lights_file.h"
+#include "capture/formats/lights_format.h"
 #include "cli/arguments.h"
 #include "cli/command_list.h"
 #include "cli/relight/light_sweep.h"
@@ -249,20 +248,25 @@ void refuse_to_overwrite_photograph(const fs::path& output, const fs::path& ligh
     }
 }
 
-// Of a lights file; of a capture file in the frame of the picture that it describes.
-LightsFile lights_in(const fs::path& path) {
-    if (lower_extension(path) != ".json") return read_lights_file(path);
-    const CaptureFile capture = in_picture(read_capture_file(path));
-    if (capture.lights.empty()) fail("{}: holds no light", path.string());
-    LightsFile file{capture.lights, capture.warnings};
+// Of a lights file of any format; of a capture file in the frame of the picture that it describes.
+LightList lights_in(const fs::path& path) {
+    LightList list = read_lights(path);
+    if (list.capture && list.capture->geometry) list.lights = in_picture(*list.capture).lights;
+    if (list.lights.empty()) fail("{}: holds no light", path.string());
+    if (std::ranges::any_of(list.lights, [](const Light& light) { return light.name.empty(); }))
+        fail(
+            "{}: does not name the photographs of its lights, after which the pictures are called; give a "
+            "lights file that does (.lp)",
+            path.string());
     // The picture is of what was asked for; where the lights really stood is another matter.
-    file.warnings.insert(file.warnings.end(), capture.poor.begin(), capture.poor.end());
-    return file;
+    if (list.capture)
+        list.warnings.insert(list.warnings.end(), list.capture->poor.begin(), list.capture->poor.end());
+    return list;
 }
 
 nlohmann::json relight_all(const Painting& painting, const RelightArguments& arguments,
                            const Progress& progress) {
-    const LightsFile file = lights_in(arguments.lights_file);
+    const LightList file = lights_in(arguments.lights_file);
     std::vector<std::string> all = painting.warnings;
     all.insert(all.end(), file.warnings.begin(), file.warnings.end());
     const nlohmann::json warnings = told(all);
@@ -333,7 +337,8 @@ Command relight_command() {
                         "position of a near light in mm from the centre: X,Y,Z; may be given several times")
                 .one_value();
             flags.option("--lights", a->lights_file,
-                         "lights file (.lp) or capture.json: one picture for each of its lights");
+                         fmt::format("lights file ({}): one picture for each of its lights",
+                                     extensions_in_words([](const LightsFormat&) { return true; })));
             flags
                 .option("--out", a->out,
                         "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures; "
