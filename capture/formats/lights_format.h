@@ -41,10 +41,10 @@ struct LightsFormat {
     std::string_view name;       // as messages have it: "lights file"
     std::string_view extension;  // with the point, in lower case; no two rows share one
     LightsSearch search = LightsSearch::second;
-    bool bare_vectors = false;      // whose frame and unit the user may have to say (--light-axes, --lights-mm)
-    bool is_capture = false;        // capture.json, which may also lie beside a lights file of another format
-    bool shares_extension = false;  // with files of other kinds: only sniff() tells
-    bool is_written = false;        // by `tangipaint calibrate`
+    bool bare_vectors = false;  // whose frame and unit the user may have to say (--light-axes, --lights-mm)
+    bool is_capture = false;    // capture.json, which may also lie beside a lights file of another format
+    bool shares_extension = false;                     // with files of other kinds: only sniff() tells
+    bool is_written = false;                           // by `tangipaint calibrate`
     bool (*sniff)(const std::string& text) = nullptr;  // whether a whole file is of this format and no other
     LightList (*read)(const std::filesystem::path& path) = nullptr;  // throws Error naming file and place
 };

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -56,12 +55,6 @@ struct PhotoFile::Decoder {
     std::string demosaic;
     std::vector<std::uint16_t> raw;  // a developed camera raw, while its rows are read
 };
-
-bool is_photo_name(const fs::path& path) {
-    static constexpr std::array<std::string_view, 8> known = {".jpg",  ".jpeg", ".png", ".tif",
-                                                              ".tiff", ".exr",  ".tga", ".bmp"};
-    return std::find(known.begin(), known.end(), lower_extension(path)) != known.end() || is_raw_name(path);
-}
 
 bool is_light(float value) {
     constexpr float largest_half = 65504, brightest = 1e10f, darkest = -1000;

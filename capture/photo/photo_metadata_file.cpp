@@ -7,6 +7,7 @@
 #include <fstream>
 #include <memory>
 
+#include "capture/photo/photo_format.h"
 #include "capture/photo/photo_metadata.h"
 #include "capture/photo/raw_file.h"
 #include "surface/base/error.h"
@@ -94,7 +95,8 @@ PhotoMetadata read_photo_metadata(const fs::path& path) {
         metadata.icc_profile.assign(static_cast<const char*>(icc->data()),
                                     static_cast<std::size_t>(icc->datasize()));
     if (const int colour = spec.get_int_attribute("Exif:ColorSpace", 0)) metadata.exif_colour = colour;
-    if (lower_extension(path) == ".png") read_png_chunks(path, metadata);
+    const PhotoFormat* format = photo_format_named(path);
+    if (format && format->has_png_chunks) read_png_chunks(path, metadata);
     return metadata;
 }
 

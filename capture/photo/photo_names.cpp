@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "capture/photo/photo_format.h"
 #include "capture/photo/raw_file.h"
 #include "surface/base/case_insensitive.h"
-#include "surface/image_file/image_io.h"
 
 namespace tangi {
 
@@ -33,11 +33,6 @@ std::optional<fs::path> path_inside(const fs::path& folder, const fs::path& list
     return fs::is_regular_file(folder / relative, unknown) ? std::optional(folder / relative) : std::nullopt;
 }
 
-bool is_jpeg_name(const fs::path& path) {
-    const std::string extension = lower_extension(path);
-    return extension == ".jpg" || extension == ".jpeg";
-}
-
 // Of several files with one stem.
 NamedPhoto choose(std::vector<fs::path> files) {
     if (files.size() == 1) return {files.front()};
@@ -47,7 +42,11 @@ NamedPhoto choose(std::vector<fs::path> files) {
     };
     // Cameras store a JPEG beside each raw, of the same name.
     if (const auto raw = only(is_raw_name)) return {raw};
-    if (const auto better = only([](const fs::path& path) { return !is_jpeg_name(path); })) {
+    const auto is_lossless = [](const fs::path& path) {
+        const PhotoFormat* format = photo_format_named(path);
+        return !format || !format->is_lossy;
+    };
+    if (const auto better = only(is_lossless)) {
         std::erase(files, *better);
         return {better, {}, std::move(files)};
     }
@@ -133,14 +132,11 @@ std::optional<fs::path> file_listed(const std::string& name, const fs::path& lig
 }
 
 std::vector<fs::path> unread_pictures(const std::string& name, const fs::path& folder) {
-    static const std::vector<std::string> formats = {".heic", ".heif", ".avif", ".webp", ".gif",
-                                                     ".jp2",  ".j2k",  ".jxl",  ".psd",  ".psb"};
     const std::string stem = alike(portable(name).stem().string());
     std::vector<fs::path> found;
     std::error_code unknown;
     for (const auto& entry : fs::directory_iterator(folder, unknown))
-        if (std::find(formats.begin(), formats.end(), lower_extension(entry.path())) != formats.end() &&
-            alike(entry.path().stem().string()) == stem)
+        if (is_unread_picture_name(entry.path()) && alike(entry.path().stem().string()) == stem)
             found.push_back(entry.path());
     std::sort(found.begin(), found.end());
     return found;

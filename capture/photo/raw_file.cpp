@@ -106,13 +106,6 @@ RawHeader header_of(const OIIO::ImageSpec& spec) {
 
 }  // namespace
 
-bool is_raw_name(const fs::path& path) {
-    static constexpr std::array<std::string_view, 23> known = {
-        ".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".sr2", ".srf", ".dng", ".raf", ".orf", ".rw2",
-        ".pef", ".ptx", ".srw", ".3fr", ".fff", ".iiq", ".mos", ".mef", ".erf", ".rwl", ".kdc"};
-    return std::find(known.begin(), known.end(), lower_extension(path)) != known.end();
-}
-
 const std::vector<std::string>& demosaic_methods() {
     static const std::vector<std::string> methods = {"AHD", "linear", "VNG", "PPG", "DCB", "DHT", "AAHD"};
     return methods;

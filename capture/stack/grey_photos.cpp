@@ -5,6 +5,7 @@
 
 #include "capture/photo/photo_file.h"
 #include "capture/photo/photo_folder.h"
+#include "capture/photo/photo_format.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
 
@@ -109,7 +110,7 @@ std::vector<fs::path> pictures_in(const fs::path& folder, std::vector<std::strin
     for (const fs::path& mask : take_masks(pictures))
         warnings.push_back(fmt::format("{}: rejected, since its name says that it is a mask", mask.string()));
     if (pictures.empty())
-        fail("{}: no photographs (JPEG, PNG, TIFF, EXR, TGA or camera raw) in this folder", folder.string());
+        fail("{}: no photographs ({}) in this folder", folder.string(), photo_formats_in_words());
     return pictures;
 }
 

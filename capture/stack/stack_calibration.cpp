@@ -6,6 +6,7 @@
 
 #include "capture/formats/lights_format.h"
 #include "capture/photo/photo_folder.h"
+#include "capture/photo/photo_format.h"
 #include "surface/base/error.h"
 #include "surface/file/visible_files.h"
 
@@ -27,9 +28,9 @@ fs::path find_lights_file(const fs::path& folder) {
     std::sort(found.begin(), found.end());
     if (found.empty() && photos_in(folder).empty())
         fail(
-            "{}: neither photographs (JPEG, PNG, TIFF, EXR, TGA, BMP or camera raw) nor a lights file in "
+            "{}: neither photographs ({}) nor a lights file in "
             "this folder",
-            folder.string());
+            folder.string(), photo_formats_in_words());
     if (found.empty())
         fail(
             "{0}: no lights file ({1}) in this folder; name one with --lights FILE.lp, or "
