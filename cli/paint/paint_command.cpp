@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "capture/formats/lights_format.h"
 #include "cli/arguments.h"
 #include "cli/capture/fit_folder.h"
 #include "cli/capture/photo_source.h"
@@ -69,6 +70,10 @@ HostServices workshop_of(const PaintArguments& a) {
                    ? fmt::format("{}", fmt::join(result["warnings"].get<std::vector<std::string>>(), "; "))
                    : std::string();
     };
+    workshop.exports = exports_of_window();
+    for (const LightsFormat& format : lights_formats())
+        workshop.lights_endings +=
+            fmt::format("{}{}", workshop.lights_endings.empty() ? "" : " ", format.extension);
     return workshop;
 }
 

@@ -1,8 +1,11 @@
-#include "cli/relight/export_layers.h"
+// export_layers.cpp: the paint of a canvas as a folder for each layer, and what its files are.
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "cli/relight/exporter.h"
+#include "fit/exchange/export_maps.h"
+#include "paint/canvas/appearance.h"
 #include "paint/canvas/layer_pictures.h"
 #include "paint/files/paint_metadata.h"
 #include "surface/file/atomic_file.h"
@@ -45,8 +48,10 @@ nlohmann::json write_volumes(const fs::path& folder, const std::string& subfolde
     return paints;
 }
 
-}  // namespace
-
+// NUMBER-NAME/ for each layer that holds paint, from the bottom up, with colour.png (16 bit, alpha),
+// thickness_mm.exr and the volume of each ingredient [mm^3/mm^2 = mm], NNNNN-NAME_mm.exr, NNNNN its number;
+// names as far as they can be those of files. layers.json says of each what it is
+// (docs/reference/export-formats.md). Throws Error where the folder cannot be written.
 void write_layers(const fs::path& folder, const Canvas& canvas, const Progress& progress) {
     const std::vector<LayerPicture> layers = layer_pictures(canvas, {}, progress);
     nlohmann::json told = nlohmann::json::array();
@@ -74,6 +79,17 @@ void write_layers(const fs::path& folder, const Canvas& canvas, const Progress& 
     nlohmann::json about = scale_in_words(canvas);
     about["layers"] = std::move(told);
     write_text_file(folder / "layers.json", about.dump(2) + "\n");
+}
+
+}  // namespace
+
+// With the maps of the dry surface, and of it all.
+nlohmann::json export_layers(const ExportJob& job) {
+    return export_folder(job.arguments.out, "layers.json", [&](const fs::path& folder) {
+        write_maps(folder / "dry", *in_scale_of(job.canvas, job.canvas.dry_shared()), job.progress);
+        write_layers(folder, job.canvas, job.progress);
+        write_maps(folder / "painted", *job.seen_in_scale(), job.progress);
+    });
 }
 
 }  // namespace tangi

@@ -9,6 +9,7 @@
 #include "paint/canvas/canvas.h"
 #include "surface/base/progress.h"
 #include "surface/painting_file/painting_parts.h"
+#include "viewer/model/export_format.h"
 
 namespace tangi {
 
@@ -18,5 +19,8 @@ namespace tangi {
 nlohmann::json export_canvas(const Canvas& canvas, const std::vector<PartToWrite>& tools,
                              const std::filesystem::path& painting, const std::string& format,
                              const std::filesystem::path& out, const Progress& progress);
+
+// Those of `tangipaint export` that the window offers, in the order of its menu.
+std::vector<ExportFormat> exports_of_window();
 
 }  // namespace tangi

@@ -42,6 +42,8 @@ std::vector<std::string> photographs_of(const Painter& painter) {
 DocumentController::DocumentController(WindowState& state, Setup setup)
     : state_(state), setup_(std::move(setup)) {
     state_.recent = recent_paintings(setup_.settings);
+    state_.exports = setup_.workshop.exports;
+    state_.lights_endings = setup_.workshop.lights_endings;
 }
 
 // Looking does not wait for the photograph that is being measured.
@@ -140,14 +142,14 @@ void DocumentController::write_as(const ExportFormat& format, const fs::path& ou
                                               now->tools = tools_of(session);
                                           })
                                           .share();
-    const bool started =
-        start("exporting " + out.filename().string(),
-              [this, &format, out, now, looked, file = painter.file()](const Progress& progress) {
-                  looked.get();
-                  std::string said = setup_.workshop.export_canvas(*now->canvas, now->tools, file,
-                                                                   format.format, out, progress);
-                  written_ = {out, in_panel_words(said)};
-              });
+    const bool started = start(
+        "exporting " + out.filename().string(), [this, name = std::string(format.format), out, now, looked,
+                                                 file = painter.file()](const Progress& progress) {
+            looked.get();
+            std::string said =
+                setup_.workshop.export_canvas(*now->canvas, now->tools, file, name, out, progress);
+            written_ = {out, in_panel_words(said)};
+        });
     if (started) writes_ = true;
 }
 

@@ -56,7 +56,8 @@ void WindowApp::photo_dialogs(const PhotoRequests& ask) {
     else if (ask.photos_dialog)
         choose({"The folder of photographs", Wants::folder, here}, &Requests::photos);
     if (ask.fit_dialog)
-        choose({"Fit the photographs of a folder, or of a lights file", Wants::folder_or_file, here, ".lp"},
+        choose({"Fit the photographs of a folder, or of a lights file", Wants::folder_or_file, here,
+                state_.lights_endings.c_str()},
                &Requests::fit_folder);
 }
 

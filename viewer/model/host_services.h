@@ -11,6 +11,7 @@
 #include "paint/canvas/canvas.h"
 #include "surface/maps/surface.h"
 #include "surface/painting_file/painting_parts.h"
+#include "viewer/model/export_format.h"
 #include "viewer/model/photo_source.h"
 
 namespace tangi {
@@ -35,6 +36,10 @@ struct HostServices {
                               const std::filesystem::path& file, const std::string& format,
                               const std::filesystem::path& out, const Progress& progress)>
         export_canvas{};
+    // The formats that export_canvas() writes, in the order of the menu.
+    std::vector<ExportFormat> exports{};
+    // Endings of the lights files that fit() takes, ".lp .dome".
+    std::string lights_endings{};
 };
 
 }  // namespace tangi

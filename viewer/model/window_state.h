@@ -16,6 +16,7 @@
 #include "viewer/devices/pen.h"
 #include "viewer/model/background_job.h"
 #include "viewer/model/comparison.h"
+#include "viewer/model/export_format.h"
 #include "viewer/model/painter.h"
 #include "viewer/model/shortcuts.h"
 #include "viewer/model/treatment_state.h"
@@ -121,21 +122,6 @@ struct BoardState {
         return at.x >= rect[0] && at.y >= rect[1] && at.x < rect[2] && at.y < rect[3];
     }
 };
-
-// What the painting can be written as, for other programs.
-struct ExportFormat {
-    const char* name;
-    const char* format;  // as `tangipaint export --to` has it
-    const char* ending;  // of its file; empty: it is a folder
-};
-inline constexpr std::array<ExportFormat, 7> kExportFormats = {
-    {{"OpenRaster: Krita, GIMP, MyPaint (.ora)", "ora", ".ora"},
-     {"Layers of paint, as maps (folder)", "layers", ""},
-     {"Maps of what is seen (folder, EXR)", "maps", ""},
-     {"Web page (.html)", "web", ".html"},
-     {"OpenLIME's maps (folder)", "openlime", ""},
-     {"Polynomial texture map (.ptm)", "ptm", ".ptm"},
-     {"Harmonics (.rti)", "rti", ".rti"}}};
 
 // A new canvas that is being chosen.
 struct NewCanvas {
@@ -290,7 +276,7 @@ struct PaintRequests {
 struct SavingRequests {
     bool save = false, save_dialog = false;
     std::filesystem::path save_as;
-    const ExportFormat* export_dialog = nullptr;  // one of kExportFormats
+    const ExportFormat* export_dialog = nullptr;  // one of `exports`
     const ExportFormat* format = nullptr;         // and where to: `export_to`
     std::filesystem::path export_to;
 
@@ -341,6 +327,8 @@ struct WindowState : OpenedState,
     PainterState painter;  // what the painter told
     Comparing comparing;
     std::vector<std::filesystem::path> recent;
+    std::vector<ExportFormat> exports;  // that are offered (HostServices); stays as it is
+    std::string lights_endings;         // of lights files (HostServices)
     TreatmentState treatment_state;
 
     // What the panels ask for; the window does it and clears them.

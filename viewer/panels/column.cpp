@@ -180,7 +180,7 @@ void file(WindowState& s) {
     if (ImGui::Button("Export …")) ImGui::OpenPopup("formats");
     tip("For other programs: layers, OpenRaster, RTI viewers, a web page");
     if (ImGui::BeginPopup("formats")) {
-        for (const ExportFormat& format : kExportFormats)
+        for (const ExportFormat& format : s.exports)
             if (ImGui::Selectable(format.name)) s.ask.export_dialog = &format;
         ImGui::EndPopup();
     }

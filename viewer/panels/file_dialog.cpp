@@ -22,6 +22,13 @@ bool is_listed(const std::string& ending, const std::string& endings) {
     return !ending.empty() && (' ' + endings + ' ').find(' ' + ending + ' ') != std::string::npos;
 }
 
+// ".lp or .dome" of ".lp .dome".
+std::string in_words(std::string endings) {
+    for (std::size_t at = 0; (at = endings.find(' ', at)) != std::string::npos; at += 4)
+        endings.replace(at, 1, " or ");
+    return endings;
+}
+
 }  // namespace
 
 FileDialog::FileDialog(std::string title, Wants wants, std::string ending, const fs::path& start,
@@ -72,8 +79,9 @@ FileDialog::Choice FileDialog::choice(Wants wants, const std::string& ending, co
     const bool is_folder = fs::is_directory(path, gone);
     if ((wants == Wants::folder || wants == Wants::new_folder) && !is_folder)
         return {{}, "that is no folder", true};
-    if (wants == Wants::folder_or_file && !is_folder && lower_extension(path) != ending)
-        return {{}, fmt::format("that is neither a folder nor a file that ends in {}", ending), true};
+    if (wants == Wants::folder_or_file && !is_folder && !is_listed(lower_extension(path), ending))
+        return {
+            {}, fmt::format("that is neither a folder nor a file that ends in {}", in_words(ending)), true};
     return {path, "", true};
 }
 
