@@ -24,6 +24,23 @@ TEST(CliDocs, ListEveryFlagAndNoOther) {
         << "script/commands-page writes docs/reference/commands.md anew";
 }
 
+TEST(CliDocs, HaveThePageOfCommandsThatTheProgramWrites) {
+    const Finished check = Program({"--check"}, {.environment = {{"TANGIPAINT", TP_PROGRAM}}},
+                                   TP_SOURCE_DIR "/script/commands-page")
+                               .wait();
+    EXPECT_EQ(check.code, 0) << check.err;
+}
+
+// A command is found by the name of its source.
+TEST(CliDocs, HaveASourceForEveryCommand) {
+    std::set<std::string> sources;
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(std::filesystem::path(TP_SOURCE_DIR) / "cli"))
+        sources.insert(entry.path().filename().string());
+    for (const std::string& command : docs::commands_of_help(tangipaint({"--help"}).out))
+        EXPECT_TRUE(command == "help" || sources.contains(command + "_command.cpp")) << command;
+}
+
 TEST(CliDocs, UseNoFlagThatIsNotThere) {
     const docs::Flags flags = flags_of_the_program();
     ASSERT_GT(flags.size(), 15u);

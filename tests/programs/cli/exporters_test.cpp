@@ -1,0 +1,66 @@
+// exporters_test.cpp: laws of the table of exporters: the command, the window and the documentation have the
+// same ones, and each writes what its row says.
+#include "cli/relight/exporter.h"
+
+#include <set>
+
+#include "cli/relight/export_painting.h"
+#include "paint/files/canvas_file.h"
+#include "tests/docs/docs_pages.h"
+#include "tests/programs/support/cli_program.h"
+
+namespace tangi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+TEST(Exporters, HaveNamesOfTheirOwn) {
+    std::set<std::string> names, in_menu;
+    for (const Exporter& exporter : exporters()) {
+        EXPECT_TRUE(names.insert(exporter.name).second) << exporter.name;
+        if (*exporter.in_menu) EXPECT_TRUE(in_menu.insert(exporter.in_menu).second) << exporter.in_menu;
+        EXPECT_EQ(&exporter_named(exporter.name), &exporter);
+        EXPECT_TRUE(!*exporter.extension || *exporter.extension == '.') << exporter.name;
+    }
+}
+
+// The snapshot is a button of the window, of what is seen there.
+TEST(Exporters, OfTheWindowAreThoseOfTheCommand) {
+    const std::vector<ExportFormat> of_window = exports_of_window();
+    std::size_t i = 0;
+    for (const Exporter& exporter : exporters()) {
+        if (exporter.name == std::string("snapshot")) continue;
+        ASSERT_LT(i, of_window.size()) << exporter.name;
+        EXPECT_STREQ(of_window[i].format, exporter.name);
+        EXPECT_STREQ(of_window[i].ending, exporter.extension);
+        EXPECT_STREQ(of_window[i++].name, exporter.in_menu);
+    }
+    EXPECT_EQ(i, of_window.size());
+}
+
+TEST(Exporters, AreDocumented) {
+    const std::string help = tangipaint({"export", "--help"}).out;
+    const std::string page = docs::pages_of(TP_SOURCE_DIR).at("docs/reference/export-formats.md");
+    for (const Exporter& exporter : exporters()) {
+        EXPECT_THAT(help, HasSubstr(exporter.name));
+        EXPECT_THAT(page, HasSubstr(fmt::format("\n| `{}` | ", exporter.name)));
+    }
+}
+
+TEST(Exporters, WriteWhatTheirRowsSay) {
+    const TinyStack stack;
+    const Canvas canvas = read_canvas(stack.truth());
+    for (const Exporter& exporter : exporters()) {
+        const bool is_picture = exporter.name == std::string("snapshot");
+        const fs::path out =
+            stack.out(std::string("of-") + exporter.name + exporter.extension + (is_picture ? ".png" : ""));
+        const nlohmann::json result = export_canvas(canvas, {}, stack.truth(), exporter.name, out, {});
+        EXPECT_EQ(fs::is_directory(out), !*exporter.extension && !is_picture) << exporter.name;
+        ASSERT_FALSE(result.at("files").empty()) << exporter.name;
+        for (const std::string file : result.at("files")) EXPECT_TRUE(fs::is_regular_file(file)) << file;
+    }
+}
+
+}  // namespace
+}  // namespace tangi
