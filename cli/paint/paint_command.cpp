@@ -160,8 +160,10 @@ Command paint_command() {
             flags.option("--out", a->out,
                          "where a new canvas is saved (.exr); untitled-1.exr where not given");
             flags.option("--photos", a->photos.folder, "folder of photographs to compare the painting with");
-            flags.option("--lights", a->photos.lights,
-                         "their lights file (.lp); where not given, the only one in the folder");
+            flags.option(
+                "--lights", a->photos.lights,
+                fmt::format("their lights file ({}); where not given, the only one in the folder",
+                            extensions_in_words([](const LightsFormat& f) { return !f.is_capture; })));
             flags.option("--capture", a->photos.capture, "their capture.json");
             flags.option("--palette", a->palette, "palette file (.json)");
             flags.option("--brushes", a->brushes, "presets file (.json) with further brushes");

@@ -4,9 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
 #include <set>
 
-#include "tests/support/file_kinds.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -14,15 +15,20 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-// A file of each format, as tests/support/file_kinds.h has them.
+// A small file of each format.
 std::string sample_of(const LightsFormat& format) {
-    const auto is_it = [&](const FileKind& kind) {
-        return kind.name == (format.is_capture ? "capture.json" : "a" + std::string(format.extension));
-    };
-    const std::vector<FileKind> kinds = text_kinds();
-    const auto kind = std::ranges::find_if(kinds, is_it);
-    EXPECT_NE(kind, kinds.end()) << format.extension << " has no sample in tests/support/file_kinds.h";
-    return kind == kinds.end() ? std::string() : kind->whole;
+    static const std::map<std::string_view, std::string> samples = {
+        {".lp", "2\na.png 0.6 0 0.8\nb.png 0 0.6 0.8\n"},
+        {".dome", R"({"directions": [{"x": 0.6, "y": 0, "z": 0.8}, {"x": 0, "y": 0.6, "z": 0.8}]})"},
+        {".relight",
+         R"({"images": [{"filename": "a.png", "skip": false}],
+             "dome": {"directions": [{"x": 0.6, "y": 0, "z": 0.8}]}})"},
+        {".json",
+         R"({"format": "tangipaint capture 1", "photographs": {"width": 41, "height": 31},
+             "camera": {"position_mm": null, "mm_per_pixel": null}, "frame": {"origin_px": [20, 15]},
+             "lights": [{"name": "a.png", "direction": [0.6, 0, 0.8], "position_mm": null}]})"}};
+    EXPECT_TRUE(samples.contains(format.extension)) << format.extension << " has no sample";
+    return samples.contains(format.extension) ? samples.at(format.extension) : std::string();
 }
 
 TEST(LightsFormats, HaveNamesAndExtensionsOfTheirOwn) {
