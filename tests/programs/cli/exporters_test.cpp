@@ -19,7 +19,7 @@ TEST(Exporters, HaveNamesOfTheirOwn) {
     std::set<std::string> names, in_menu;
     for (const Exporter& exporter : exporters()) {
         EXPECT_TRUE(names.insert(exporter.name).second) << exporter.name;
-        if (*exporter.in_menu) EXPECT_TRUE(in_menu.insert(exporter.in_menu).second) << exporter.in_menu;
+        EXPECT_TRUE(!*exporter.in_menu || in_menu.insert(exporter.in_menu).second) << exporter.in_menu;
         EXPECT_EQ(&exporter_named(exporter.name), &exporter);
         EXPECT_TRUE(!*exporter.extension || *exporter.extension == '.') << exporter.name;
     }
