@@ -99,13 +99,13 @@ bool is_lights_file(const fs::path& path) {
 
 LightList read_lights(const fs::path& path) { return lights_format_of(path).read(path); }
 
-std::string extensions_in_words(bool (*wanted)(const LightsFormat&), std::string_view last_word) {
+std::string extensions_in_words(bool (*wanted)(const LightsFormat&)) {
     std::vector<std::string> all;
     for (const LightsFormat& format : kFormats)
-        if (wanted(format)) all.emplace_back(format.extension);
+        if (!wanted || wanted(format)) all.emplace_back(format.extension);
     std::string text;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (i > 0) text += i + 1 < all.size() ? ", " : fmt::format(" {} ", last_word);
+        if (i > 0) text += i + 1 < all.size() ? ", " : " or ";
         text += all[i];
     }
     return text;

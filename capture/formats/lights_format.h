@@ -65,7 +65,7 @@ bool is_lights_file(const std::filesystem::path& path);
 // By whatever format the file is of. Throws Error naming file and place.
 LightList read_lights(const std::filesystem::path& path);
 
-// The extensions of those that `wanted` takes, for messages: ".lp, .dome or .relight".
-std::string extensions_in_words(bool (*wanted)(const LightsFormat&), std::string_view last_word = "or");
+// The extensions of those that `wanted` takes, or of all, for messages: ".lp, .dome or .relight".
+std::string extensions_in_words(bool (*wanted)(const LightsFormat&) = nullptr);
 
 }  // namespace tangi

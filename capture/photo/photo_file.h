@@ -33,7 +33,7 @@ struct PhotoHeader {
 // largest in use.
 bool is_light(float value);
 
-// JPEG, PNG, TIFF, EXR, TGA, BMP or camera raw, judged by the extension (in any case).
+// One of photo_formats() (photo_format.h), judged by the extension (in any case).
 bool is_photo_name(const std::filesystem::path& path);
 
 // An open photograph. Rows are decoded once when read in ascending order; going back starts over. Camera raw

@@ -10,7 +10,7 @@
 
 namespace tangi {
 
-// CR2, CR3, NEF, ARW, DNG, RAF, ORF, RW2 and others, judged by the extension (in any case).
+// CR2, CR3, NEF, ARW, DNG, RAF, ORF, RW2 and others (photo_format.h), judged by the extension (in any case).
 bool is_raw_name(const std::filesystem::path& path);
 
 // Ways of LibRaw to fill in the two colours that a pixel of the sensor did not measure. The first is the

@@ -171,7 +171,8 @@ nlohmann::json run_info(const std::string& file) {
     const fs::path path(file);
     if (!fs::exists(path)) fail("{}: no such file", file);
     if (fs::is_directory(path))
-        fail("{}: is a folder; name a painting (.exr), a lights file (.lp) or a photograph", file);
+        fail("{}: is a folder; name a painting (.exr), a lights file ({}) or a photograph", file,
+             extensions_in_words());
     if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
     const std::string extension = lower_extension(path);
     if (extension == ".ptm" || extension == ".rti") return describe_rti(path);
@@ -208,7 +209,7 @@ Command info_command() {
                     .option(
                         "FILE", *file,
                         fmt::format("painting (.exr), lights file ({}), RTI file (.ptm, .rti) or photograph",
-                                    extensions_in_words([](const LightsFormat&) { return true; })))
+                                    extensions_in_words()))
                     .required();
                 return [file] { return run_info(*file); };
             }};

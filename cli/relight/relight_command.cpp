@@ -336,9 +336,9 @@ Command relight_command() {
                 .option("--point-light", a->positions,
                         "position of a near light in mm from the centre: X,Y,Z; may be given several times")
                 .one_value();
-            flags.option("--lights", a->lights_file,
-                         fmt::format("lights file ({}): one picture for each of its lights",
-                                     extensions_in_words([](const LightsFormat&) { return true; })));
+            flags.option(
+                "--lights", a->lights_file,
+                fmt::format("lights file ({}): one picture for each of its lights", extensions_in_words()));
             flags
                 .option("--out", a->out,
                         "picture to write (.png .tif .jpg .exr); with --lights the folder for the pictures; "

@@ -2,6 +2,7 @@
 // writes.
 #include <gmock/gmock.h>
 
+#include "tests/docs/docs_pages.h"
 #include "tests/programs/support/cli_program.h"
 
 namespace tangi {
@@ -10,22 +11,18 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kCommands[] = {"calibrate", "fit",     "relight",   "compare", "import",  "export",
-                                     "replay",    "info",    "generate",  "palette", "demo",    "damage",
-                                     "fill",      "varnish", "treatment", "match",   "retouch", "quality"};
-
 TEST(CliHelp, ListsEveryCommandOnStdout) {
     for (const std::vector<std::string>& asked : {std::vector<std::string>{"help"}, {"--help"}}) {
         const Finished help = tangipaint(asked);
         EXPECT_TRUE(ended(help, 0));
         EXPECT_EQ(help.err, "");
-        for (const char* command : kCommands)
-            EXPECT_THAT(help.out, HasSubstr(std::string("\n  ") + command + " "));
+        EXPECT_THAT(docs::commands_of_help(help.out), testing::IsSupersetOf({"calibrate", "fit", "paint"}));
     }
 }
 
 TEST(CliHelp, ExplainsEachCommandTheSameWayByBothSpellings) {
-    for (const std::string command : kCommands) {
+    for (const std::string& command : docs::commands_of_help(tangipaint({"--help"}).out)) {
+        if (command == "help") continue;
         const Finished help = tangipaint({"help", command}), flag = tangipaint({command, "--help"});
         EXPECT_TRUE(ended(help, 0)) << command;
         EXPECT_TRUE(ended(flag, 0)) << command;
