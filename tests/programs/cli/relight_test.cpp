@@ -143,6 +143,27 @@ TEST(CliRelight, CastShadowsCanBeTurnedOff) {
     EXPECT_GT(darker, 20);
 }
 
+// relight and info read what fit reads; who names no photographs gives pictures no names.
+TEST(CliRelight, ReadsLightsOfEveryFormat) {
+    const TinyStack stack;
+    const nlohmann::json directions = {{{"x", 0.6}, {"y", 0}, {"z", 0.8}},
+                                       {{"x", 0}, {"y", 0.6}, {"z", 0.8}}};
+    const nlohmann::json images = {{{"filename", "a.png"}}, {{"filename", "b.png"}}};
+    const std::string project = stack.out("of.relight"), dome = stack.out("of.dome"),
+                      out = stack.out("relit");
+    write_bytes(project, nlohmann::json{{"images", images}, {"dome", {{"directions", directions}}}}.dump());
+    write_bytes(dome, nlohmann::json{{"directions", directions}}.dump());
+    ASSERT_TRUE(ended(tangipaint({"relight", stack.truth(), "--lights", project, "--out", out}), 0));
+    EXPECT_THAT(everything_in(out), testing::ElementsAre("a.png", "b.png"));
+    EXPECT_TRUE(ended(tangipaint({"relight", stack.truth(), "--lights", dome, "--out", stack.out("none")}), 1,
+                      {"of.dome: does not name the photographs"}));
+    for (const std::string& file : {project, dome}) {
+        const nlohmann::json said = tangipaint({"info", file}).json();
+        EXPECT_EQ(said["kind"], "lights") << file;
+        EXPECT_EQ(said["lights"].size(), 2u) << file;
+    }
+}
+
 TEST(CliRelight, ALightsFileGivesAPictureForEachPhotograph) {
     const TinyStack stack([](GeneratorOptions& o) {
         use_srgb(o);
