@@ -138,7 +138,7 @@ nlohmann::json describe(const Session& session) {
     if (const Brush* brush = session.brush()) {
         const bool on_palette = session.brush_place() == Place::palette;
         const auto& paints = (on_palette ? *session.board() : canvas).ingredients();
-        json["brush"] = {{"shape", brush->settings().shape},
+        json["brush"] = {{"shape", traits_of(brush->settings().shape).name},
                          {"size_mm", brush->settings().size_mm},
                          {"used_on", on_palette ? "palette" : "painting"},
                          {"volumes_mm3", volumes_by_name(paints, brush->volumes_mm3(paints.size()))}};

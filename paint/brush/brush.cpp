@@ -49,10 +49,8 @@ double Brush::fresh_load(int u, int v, double middle_mm) const {
 }
 
 void Brush::turn_to(float rotation_rad) {
-    // Pixels at the rim, at most half of it off: of a thin tip less, whose contact is soon beside its load,
-    // and each new view of that would leave a rung; and least of a blade, whose edge is sharp.
-    const double most_px = settings_.shape == "knife" ? std::clamp(half_thickness_px_ / 32, 0.1, 1.0)
-                                                      : std::clamp(half_thickness_px_ / 8, 0.5, 3.0);
+    const RimShift& rim = traits_of(settings_.shape).rim;
+    const double most_px = std::clamp(half_thickness_px_ / rim.per_thickness, rim.least_px, rim.most_px);
     const float step = static_cast<float>(most_px) / static_cast<float>(disc_);
     loads_.turn_to(std::round(rotation_rad / step) * step);
 }
@@ -205,7 +203,7 @@ double Brush::full_mm3() const {
 }
 
 void Brush::weigh(int step) {
-    const bool blade = settings_.shape == "knife";
+    const bool blade = traits_of(settings_.shape).blade;
     constexpr int often = 8;  // it changes slowly
     if (!blade && mean_load_mm_ >= 0 && step % often != 0) return;
     const float* load = loads_.view_total();

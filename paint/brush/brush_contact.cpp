@@ -110,7 +110,7 @@ float Brush::ride_mm(float pressure) const {
 // what pressure does not press out.
 float Brush::gap_mm(float pressure) const {
     const float gap = gap_of(settings_, pressure);
-    if (settings_.shape != "knife" || !(gap > 0)) return gap;
+    if (!traits_of(settings_.shape).blade || !(gap > 0)) return gap;
     const float carried = std::min(static_cast<float>(settings_.load_reach) * bead_mm_ / gap, 1.0f);
     return gap * (carried + (1 - carried) * kPressedOut * (1 - pressure));
 }
@@ -118,7 +118,7 @@ float Brush::gap_mm(float pressure) const {
 TipOutline Brush::outline(const Dab& dab) const {
     const double widening = 1 + settings_.splay * dab.pressure;
     return {(half_width_px_ + 1) * widening, (half_thickness_px_ + 1) * widening, std::cos(dab.rotation_rad),
-            std::sin(dab.rotation_rad), settings_.shape == "round"};
+            std::sin(dab.rotation_rad), traits_of(settings_.shape).elliptic};
 }
 
 UndersideRow Brush::underside_of(const Dab& dab, float gap_mm, float groove_mm) const {

@@ -1,8 +1,5 @@
 #include "paint/brush/brush_settings.h"
 
-#include <algorithm>
-#include <array>
-
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
@@ -10,8 +7,6 @@
 namespace tangi {
 
 namespace {
-
-constexpr std::array<const char*, 6> kShapes = {"round", "flat", "filbert", "fan", "knife", "rag"};
 
 // Each preset differs from another by these settings.
 
@@ -28,7 +23,7 @@ BrushSettings round_brush() {
 }
 
 BrushSettings flat_of(BrushSettings brush) {
-    brush.shape = "flat";
+    brush.shape = BrushShape::flat;
     brush.size_mm = 12;
     brush.thickness = 0.35;
     brush.follow = true;
@@ -37,14 +32,14 @@ BrushSettings flat_of(BrushSettings brush) {
 }
 
 BrushSettings filbert_of(BrushSettings brush) {
-    brush.shape = "filbert";
+    brush.shape = BrushShape::filbert;
     brush.size_mm = 10;
     brush.thickness = 0.45;
     return brush;
 }
 
 BrushSettings fan_of(BrushSettings brush) {
-    brush.shape = "fan";
+    brush.shape = BrushShape::fan;
     brush.size_mm = 22;
     brush.thickness = 0.16;
     brush.load_mm = 1.4;
@@ -58,7 +53,7 @@ BrushSettings fan_of(BrushSettings brush) {
 // A blade: no bristles, hardly any room under it, and what it meets goes where it goes. Its leading edge is
 // high: paint wells up under it, and what the blade does not let through leaves by its ends.
 BrushSettings knife_of(BrushSettings brush) {
-    brush.shape = "knife";
+    brush.shape = BrushShape::knife;
     brush.size_mm = 18;
     brush.thickness = 0.25;
     brush.load_mm = 5;
@@ -84,7 +79,7 @@ BrushSettings knife_of(BrushSettings brush) {
 
 // Cloth: takes much, gives little, touches the crests.
 BrushSettings rag_of(BrushSettings brush) {
-    brush.shape = "rag";
+    brush.shape = BrushShape::rag;
     brush.size_mm = 25;
     brush.load_mm = 0;
     brush.load_variation = 0.35;
@@ -130,7 +125,7 @@ BrushSettings scrape_of(BrushSettings brush) {
 // Takes all wet paint away.
 BrushSettings eraser_of(BrushSettings brush) {
     brush.erases = true;
-    brush.shape = "round";
+    brush.shape = BrushShape::round;
     brush.size_mm = 10;
     brush.hold_mm = 1000;
     brush.deposit = 0;
@@ -204,11 +199,9 @@ BrushSettings brush_from_json(const nlohmann::json& brush, const std::string& wh
     for (const auto& [key, value] : brush.items()) {
         if (key == "preset") continue;
         if (key == "shape") {
-            const auto is_it = [&value = value](const char* shape) { return value == shape; };
-            if (std::none_of(kShapes.begin(), kShapes.end(), is_it))
-                fail("{}: 'shape' is {}, not one of round, flat, filbert, fan, knife, rag", where,
-                     shown(value));
-            settings.shape = value.get<std::string>();
+            const auto shape = value.is_string() ? brush_shape_named(value.get<std::string>()) : std::nullopt;
+            if (!shape) fail("{}: 'shape' is {}, not one of {}", where, shown(value), brush_shape_names());
+            settings.shape = *shape;
             continue;
         }
         bool known = false;
@@ -224,7 +217,7 @@ BrushSettings brush_from_json(const nlohmann::json& brush, const std::string& wh
 
 nlohmann::json brush_to_json(const BrushSettings& settings) {
     nlohmann::json result = to_json(settings);
-    result["shape"] = settings.shape;
+    result["shape"] = traits_of(settings.shape).name;
     return result;
 }
 

@@ -7,12 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "paint/brush/brush_shape.h"
 #include "surface/base/options.h"
 
 namespace tangi {
 
 struct BrushSettings {
-    std::string shape = "round";   // round, flat, filbert, fan, knife, rag
+    BrushShape shape = BrushShape::round;
     double size_mm = 8;            // width of the contact at full pressure
     double thickness = 1;          // [1] its other extent over the width
     double load_mm = 2.5;          // paint over the area of the contact, when freshly loaded

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "surface/base/noise.h"
 
@@ -20,21 +19,6 @@ constexpr std::size_t kDirections = 96;  // of reach_px()
 constexpr float kInner = 0.5f;           // [1] of the dome: the other level that it knows
 constexpr float kPerDirection = 2 * std::numbers::pi_v<float> / kDirections;
 constexpr float kLying = 4;  // [1] length of a dragged bristle's mark over its width
-
-// 0 in the middle of the tip, 1 at its rim; u and v in half extents.
-float dome_of(const std::string& shape, float u, float v, std::uint64_t seed) {
-    const float rho2 = u * u + v * v;
-    if (shape == "flat") return std::pow(std::abs(u), 10.0f) + v * v;
-    if (shape == "filbert") return std::pow(std::abs(u), 3.0f) + v * v;
-    if (shape == "knife") return std::pow(std::abs(u), 16.0f) + v * v;
-    if (shape == "fan") {  // an arc of tufts
-        const float along = v + 1.6f * (u * u - 0.4f);
-        return std::pow(std::abs(u), 10.0f) + along * along;
-    }
-    if (shape == "rag")  // folds
-        return rho2 * (1 + 0.5f * procedural::fractal_noise(2.5f * u, 2.5f * v, 3, hash(seed, 77)));
-    return rho2;
-}
 
 // The bristles around a point: each cell of a grid holds one, off its middle by up to half a cell.
 struct Bristle {
@@ -96,7 +80,7 @@ BrushTip::Hair BrushTip::hair(float u, float v) const {
 }
 
 float BrushTip::dome_at(float u, float v) const {
-    return dome_of(settings_.shape, u / half_width_px_, v / half_thickness_px_, seed_);
+    return traits_of(settings_.shape).dome(u / half_width_px_, v / half_thickness_px_, seed_);
 }
 
 // Of the pixel around a texel: the part that the tip covers, how full it is of what the middle holds, and

@@ -66,7 +66,7 @@ public:
         const BrushMotion motion = motion_of(dab, box);
         step_.sides = brush_.sides(dab, box.x0, box.y0);
         find_lanes(dab);
-        if (brush_.settings().shape == "knife") lift_onto_face(step_, kFace_mm, kClimbs);
+        if (traits_of(brush_.settings().shape).blade) lift_onto_face(step_, kFace_mm, kClimbs);
         exchange_and_push(step_, rates, motion, memory_.step);
         if (dab.stands && rates.squeeze_per_mm > 0) {
             find_outwards(brush_.standing(dab, box.x0, box.y0), step_, memory_.outwards);

@@ -73,7 +73,7 @@ TransferRates rates_of(const BrushSettings& s, double mm_per_pixel) {
     r.pit_mm = static_cast<float>(kPit_per_mm * mm_per_pixel * mm_per_pixel);
     r.bulge_mm = static_cast<float>(kBulge_per_mm * mm_per_pixel * mm_per_pixel);
     r.still_mm = static_cast<float>(kStill * mm_per_pixel);
-    if (s.shape == "knife") {
+    if (traits_of(s.shape).blade) {
         r.pit_mm *= kSmoothed;
         r.bulge_mm *= kSmoothed;
     }

@@ -221,7 +221,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     // more. Paint goes a pixel in a step at most: a blade goes slower than what it pushes ahead. Loads lie on
     // whole pixels, and steps of other parts of one would leave rungs.
     const bool in_halves =
-        brush_.settings().shape == "knife" || brush_.resolved_length_px(dab) < kShortContact_px;
+        traits_of(brush_.settings().shape).blade || brush_.resolved_length_px(dab) < kShortContact_px;
     const double wanted = options_.spacing_px * (in_halves ? 0.5 : 1);
     // Where the brush turns, its rim goes further than its middle: no bristle shall go more than the spacing.
     double turning = 0;

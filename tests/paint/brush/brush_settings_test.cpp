@@ -25,7 +25,7 @@ TEST(BrushSettings, ComeBackFromJson) {
         EXPECT_EQ(brush_to_json(brush_from_json(json, "test")), json) << name;
     }
     const BrushSettings s = brush_from_json({{"preset", "flat"}, {"size_mm", 31}}, "test");
-    EXPECT_EQ(s.shape, "flat");
+    EXPECT_EQ(s.shape, BrushShape::flat);
     EXPECT_EQ(s.size_mm, 31);
     EXPECT_TRUE(s.follow);
 }
@@ -58,7 +58,7 @@ TEST(BrushSettings, FilesAddToThePresets) {
     EXPECT_EQ(read_brush_presets(dir / "b.json", &warnings).at("round").size_mm, 3);
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_THAT(warnings[0], HasSubstr("b.json: its brush 'round' takes the place of the preset"));
-    EXPECT_EQ(presets.at("broom").shape, "fan");
+    EXPECT_EQ(presets.at("broom").shape, BrushShape::fan);
     EXPECT_EQ(presets.size(), brush_presets().size() + 1);
     write_bytes(dir / "c.json", R"({"format": "tangipaint brushes", "version": 1, "brushes": {},
                                     "brooms": {"besom": {"size_mm": 60}}})");

@@ -198,7 +198,7 @@ TEST(Brush, PutsBackWhatLiesTurned) {
 
 TEST(Brush, LoadsTurnTheWayTheBristlesDo) {
     BrushSettings settings = even_brush(20);
-    settings.shape = "flat";
+    settings.shape = BrushShape::flat;
     settings.thickness = 0.2;
     for (const double degrees : {0.0, 30.0, 90.0, 135.0}) {
         Brush brush(settings, kTestPixel, 3);

@@ -151,7 +151,7 @@ TEST(Session, WhatIsErasedIsGone) {
             draw_line(session, erase, 4);
             EXPECT_LT(session.canvas().volumes_mm3()[0], 0.6 * laid) << tool;
             EXPECT_EQ(session.brush()->bristles().mm, held.mm) << tool;
-            EXPECT_EQ(session.brush()->settings().shape, "flat");
+            EXPECT_EQ(session.brush()->settings().shape, BrushShape::flat);
             EXPECT_EQ(session.take_warning(), "");
             const double left = on_both(session.canvas(), *session.brush())[0];
             StrokeEvent next = tool_stroke("flat", "", 3);

@@ -101,7 +101,7 @@ TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
     for (const Journal::Entry& entry : landscape().entries) {
         if (const auto* stroke = std::get_if<StrokeEvent>(&entry.event)) {
             ++strokes;
-            shapes.insert(stroke->brush.shape);
+            shapes.insert(traits_of(stroke->brush.shape).name);
             glazes += stroke->finish.medium > 0.9;
             last = 0;
         } else if (const auto* point = std::get_if<PointEvent>(&entry.event)) {
