@@ -69,3 +69,26 @@ constexpr const char* @ARG_NAME@ = R\"tangi-text(@TP_TEXT@)tangi-text\";
 ")
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${ARG_FILES} ${ARG_SCRIPTS})
 endfunction()
+
+# tangi_embed_each(HEADER <file.h> NAMESPACE <name> FILES …): as tangi_embed, but each file is a string literal of its own in
+# that namespace, called as the file is without its extension.
+function(tangi_embed_each)
+    cmake_parse_arguments(ARG "" "HEADER;NAMESPACE" "FILES" ${ARGN})
+    set(TP_TEXT "")
+    foreach(file IN LISTS ARG_FILES)
+        file(READ ${file} part)
+        get_filename_component(name ${file} NAME_WE)
+        string(APPEND TP_TEXT "constexpr const char* ${name} = R\"tangi-text(${part})tangi-text\";\n")
+    endforeach()
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${folder}/${ARG_HEADER} @ONLY CONTENT
+"// @ARG_HEADER@: made by CMake, for @folder@/.
+#pragma once
+
+namespace tangi::@ARG_NAMESPACE@ {
+
+@TP_TEXT@
+}  // namespace tangi::@ARG_NAMESPACE@
+")
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${ARG_FILES})
+endfunction()

@@ -186,9 +186,9 @@ Scene scene_of(const WindowState& state, const Placement& placement) {
     scene.exposure = glm::mat3(std::exp2(state.exposure_stops));
     scene.shoulder = state.shoulder;
     scene.mode = state.mode;
-    scene.strength =
-        state.mode == ViewMode::specular_enhancement ? std::min(state.strength, 1.0f) : 3 * state.strength;
-    scene.sharpness = state.mode == ViewMode::unsharp_normals ? 3 : state.sharpness;
+    const ViewModeTraits& mode = traits_of(state.mode);
+    scene.strength = mode.strongest * std::min(state.strength, 1.0f);
+    scene.sharpness = mode.coarser_levels > 0 ? static_cast<float>(mode.coarser_levels) : state.sharpness;
     scene.lowest_mm = state.lowest_mm;
     scene.highest_mm = state.highest_mm;
     scene.most_curvature = state.most_curvature;

@@ -20,9 +20,9 @@
 #include "viewer/model/painter.h"
 #include "viewer/model/shortcuts.h"
 #include "viewer/model/treatment_state.h"
+#include "viewer/render/scene.h"
 #include "viewer/render/tilt.h"
 #include "viewer/render/view.h"
-#include "viewer/render/view_mode.h"
 
 namespace tangi {
 

@@ -69,25 +69,19 @@ void presets(ViewLight& light) {
 // What the false colours mean: the scale under the numbers at its ends and in its middle.
 void scale_of_colours(const WindowState& s) {
     const auto number = [](double value) { return fmt::format("{:.3g}", value); };
-    std::array<std::string, 3> labels;
-    const double low = static_cast<double>(s.lowest_mm) * s.height_unit_mm(),
-                 high = static_cast<double>(s.highest_mm) * s.height_unit_mm();
-    switch (s.mode) {  // as the shader has them
-        case ViewMode::height:
-            labels = {number(low), number((low + high) / 2), number(high) + (s.scale_known ? " mm" : " px")};
-            break;
-        case ViewMode::roughness:
-            labels = {"0.02", "0.16", "1.28"};
-            break;
-        case ViewMode::specular:
-            labels = {"0", "0.075", "0.3"};
-            break;
-        case ViewMode::confidence:
-            labels = {"0: unknown", "0.5", "1: certain"};
-            break;
-        default:
-            return;
+    const MapScale& scale = traits_of(s.mode).scale;
+    if (scale.curve == MapScale::Curve::none || scale.curve == MapScale::Curve::diverging) return;
+    ScaleEnds ends = scale.fixed;
+    std::string unit;
+    if (scale.ends == MapScale::Ends::heights) {
+        ends = {static_cast<double>(s.lowest_mm) * s.height_unit_mm(),
+                static_cast<double>(s.highest_mm) * s.height_unit_mm()};
+        unit = s.scale_known ? " mm" : " px";
     }
+    const auto meaning = [](const std::string& words) { return words.empty() ? "" : ": " + words; };
+    const std::array<std::string, 3> labels = {
+        number(value_at(scale, ends, 0)) + meaning(scale.lowest_means), number(value_at(scale, ends, 0.5)),
+        number(value_at(scale, ends, 1)) + unit + meaning(scale.highest_means)};
     constexpr int kScaleCells = 48;
     const float line = ImGui::GetTextLineHeight(), wide = ImGui::CalcItemWidth();
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -155,23 +149,18 @@ void light_of(WindowState& s) {
 }
 
 void look_of(WindowState& s) {
-    const auto name_of_mode = [&] {
-        for (const ViewModeName& look : kViewModes)
-            if (look.mode == s.mode) return look.name;
-        return "";
-    };
-    if (ImGui::BeginCombo("Show", name_of_mode())) {
-        for (const ViewModeName& look : kViewModes)
-            if (ImGui::Selectable(look.name, look.mode == s.mode)) s.mode = look.mode;
+    if (ImGui::BeginCombo("Show", traits_of(s.mode).name)) {
+        for (const ViewModeTraits& mode : view_modes())
+            if (ImGui::Selectable(mode.name, mode.mode == s.mode)) s.mode = mode.mode;
         ImGui::EndCombo();
     }
-    if (s.mode == ViewMode::specular_enhancement || s.mode == ViewMode::diffuse_gain ||
-        s.mode == ViewMode::unsharp_normals)
-        slide("Effect", s.strength, 0, 1, "%.2f");
-    if (s.mode == ViewMode::specular_enhancement) slide("Sharpness", s.sharpness, 2, 200, "%.0f");
+    const ViewModeTraits& mode = traits_of(s.mode);
+    if (mode.strongest > 0) slide("Effect", s.strength, 0, 1, "%.2f");
+    if (mode.gloss_exponent) slide("Sharpness", s.sharpness, 2, 200, "%.0f");
     scale_of_colours(s);
-    if (s.mode == ViewMode::height) drag_ends("Heights", s.lowest_mm, s.highest_mm, 0.005f, "%.3f");
-    if (s.mode == ViewMode::curvature) {
+    if (mode.scale.ends == MapScale::Ends::heights)
+        drag_ends("Heights", s.lowest_mm, s.highest_mm, 0.005f, "%.3f");
+    if (mode.scale.ends == MapScale::Ends::curvature) {
         const auto unit = static_cast<float>(s.height_unit_mm());
         float most = s.most_curvature / unit;
         if (slide("Curvature", most, 0.005f, 50, s.scale_known ? "± %.3g /mm" : "± %.3g /px",

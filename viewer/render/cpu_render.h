@@ -3,7 +3,7 @@
 
 #include "surface/base/progress.h"
 #include "surface/maps/surface.h"
-#include "viewer/render/view_mode.h"
+#include "viewer/render/scene.h"
 
 namespace tangi {
 

@@ -27,14 +27,6 @@ int piece_for(const TileCache& cache) {
 
 }  // namespace
 
-Shot pixel_by_pixel(const Surface& s) {
-    Shot shot{.width = s.width(), .height = s.height()};
-    // Centres of the picture's pixels are halves, those of the painting's are whole.
-    shot.to_painting =
-        glm::mat3(Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(-0.5f, static_cast<float>(s.height()) - 0.5f, 1));
-    return shot;
-}
-
 struct GpuRelight::Impl {
     gl::HeadlessContext context;
     Renderer renderer{SIZE_MAX};  // nobody else waits for the device

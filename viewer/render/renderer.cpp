@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "surface/base/error.h"
-#include "viewer/render/fragment_shader.h"
+#include "viewer/render/painting_shader.h"
 #include "viewer/render/vertex_shader.h"
 #include "viewer/render/view.h"
 
@@ -149,8 +149,8 @@ void set_look(const Uniforms& u, const Scene& scene) {
     u.set("u_exposure", scene.exposure);
     u.set("u_shoulder", scene.shoulder);
     u.set("u_background", scene.background);
-    u.set("u_look", glm::vec4(scene.strength, scene.sharpness, scene.lowest_mm,
-                              scene.mode == ViewMode::curvature ? scene.most_curvature : scene.highest_mm));
+    const ScaleEnds ends = scale_ends(scene);
+    u.set("u_look", glm::vec4(scene.strength, scene.sharpness, ends.lowest, ends.highest));
 }
 
 }  // namespace
@@ -184,7 +184,7 @@ const gl::Program& Renderer::program_for(const Scene& scene, const Shot& shot, b
     auto& program = programs_[definitions];
     if (!program)
         program = gl::make_program(fmt::format("{}{}{}", kDesktop, definitions, kPaintingVertexShader),
-                                   fmt::format("{}{}{}", kDesktop, definitions, kPaintingFragmentShader));
+                                   fmt::format("{}{}{}", kDesktop, definitions, painting_fragment_shader()));
     return program;
 }
 

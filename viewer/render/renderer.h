@@ -16,9 +16,9 @@
 #include "viewer/render/display_profile.h"
 #include "viewer/render/horizon.h"
 #include "viewer/render/objects.h"
+#include "viewer/render/scene.h"
 #include "viewer/render/texels.h"
 #include "viewer/render/tile_cache.h"
-#include "viewer/render/view_mode.h"
 
 namespace tangi {
 

@@ -117,7 +117,7 @@ Renderer::Fetched Renderer::fetch(std::span<const TileView> views, std::size_t m
 Renderer::Fetched Renderer::fetch(const Scene& scene, const Shot& shot, std::size_t most_bytes, bool guest) {
     TP_REQUIRE(tiles_, "there is a painting to draw");
     std::vector<TileView> views = {{shot.level, outline_of(shot)}};
-    if (scene.mode == ViewMode::unsharp_normals)
+    if (traits_of(scene.mode).coarser_levels > 0)
         views.push_back({shot.level + static_cast<int>(scene.sharpness), views.front().outline});
     if (scene.shadows == Shadows::marched) {
         const double right = tiles_->width(), bottom = tiles_->height();

@@ -10,8 +10,8 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
+#include "viewer/render/scene.h"
 #include "viewer/render/tilt.h"
-#include "viewer/render/view_mode.h"
 
 namespace tangi {
 

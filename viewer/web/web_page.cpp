@@ -13,7 +13,7 @@
 #include "surface/file/output_set.h"
 #include "surface/file/stale_temporaries.h"
 #include "surface/image_file/image_io.h"
-#include "viewer/render/fragment_shader.h"
+#include "viewer/render/painting_shader.h"
 #include "viewer/render/vertex_shader.h"
 #include "viewer/render/view_mode.h"
 #include "viewer/web/web_page_html.h"
@@ -112,7 +112,7 @@ json fields(const TexelRange& range) {
 
 json looks() {
     json all = json::array();
-    for (const ViewModeName& look : kViewModes) all.push_back(look.name);
+    for (const ViewModeTraits& mode : view_modes()) all.push_back(mode.name);
     return all;
 }
 
@@ -154,7 +154,7 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
             {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
             {"light_deg", {options.light_azimuth_deg, options.light_elevation_deg}},
             {"vertex_shader", kPaintingVertexShader},
-            {"fragment_shader", kPaintingFragmentShader}};
+            {"fragment_shader", painting_fragment_shader()}};
 }
 
 // Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.

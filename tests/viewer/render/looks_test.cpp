@@ -11,10 +11,10 @@ TEST_F(Looks, EveryWayToLookGivesAPictureOfItsOwn) {
     const Surface s = painted_surface(64, 64);
     show(s);
     std::vector<Image<Rgb>> pictures;
-    for (const ViewModeName& look : kViewModes) {
+    for (const ViewModeTraits& look : view_modes()) {
         Scene scene{.lights = {distant_light({-0.5f, 0.5f, 0.7f})}, .mode = look.mode};
-        if (look.mode == ViewMode::unsharp_normals) scene.sharpness = 3;
-        if (look.mode == ViewMode::diffuse_gain) scene.strength = 2.5f;
+        if (look.coarser_levels > 0) scene.sharpness = static_cast<float>(look.coarser_levels);
+        if (look.strongest > 0) scene.strength = look.strongest;
         const auto picture = drawn(scene, pixel_by_pixel(s), false);
         for (const Rgb& c : picture.pixels())
             ASSERT_TRUE(c.r >= 0 && c.r <= 1 && c.g >= 0 && c.g <= 1 && c.b >= 0 && c.b <= 1) << look.name;

@@ -1,0 +1,4 @@
+// confidence.glsl: the confidence of the fit [1] in false colours.
+#define SHOWS_MAP
+
+vec3 map_colour(Material m, vec2 at) { return false_colour(scaled(m.confidence)); }
