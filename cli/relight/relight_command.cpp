@@ -309,8 +309,7 @@ nlohmann::json run_relight(RelightArguments arguments) {
     if (sweeps && !arguments.encoding.empty())
         throw UsageError("--encoding: is of single pictures; those of --sweep are sRGB");
     const auto model = ward_model_named(arguments.model);
-    if (!model)
-        throw UsageError(fmt::format("--model {}: is not ward1992, duer or bounded", arguments.model));
+    if (!model) throw UsageError(fmt::format("--model {}: is not {}", arguments.model, ward_model_names()));
     arguments.options.model = *model;
     const Progress progress = console_progress();
     const Painting painting = read_all(arguments, progress);
@@ -348,7 +347,7 @@ Command relight_command() {
             a->sweep.add_to(flags);
             flags.option("--encoding", a->encoding,
                          "srgb, linear or a gamma; where not given, as the photographs were (EXR: linear)");
-            flags.option("--model", a->model, "ward1992, duer or bounded").show_default();
+            flags.option("--model", a->model, ward_model_names()).show_default();
             flags
                 .option("--illuminant", a->illuminant,
                         "lights that paint is seen under, by eyes used to them: A, D50, D65, F11 or LED; "

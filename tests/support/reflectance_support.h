@@ -1,6 +1,7 @@
 // reflectance_support.h: what tests of reflectance share: directions, and Ward's lobes.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <glm/vec3.hpp>
 #include <numbers>
@@ -10,7 +11,11 @@
 namespace tangi {
 
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr WardModel kModels[] = {WardModel::ward1992, WardModel::duer, WardModel::bounded};
+inline constexpr auto kModels = [] {
+    std::array<WardModel, kWardModels.size()> models{};
+    for (std::size_t i = 0; i < models.size(); ++i) models[i] = kWardModels[i].model;
+    return models;
+}();
 
 // In the frame of the surface: `theta` [rad] from its normal, z, and `phi` [rad] about it from x.
 inline glm::dvec3 direction(double theta, double phi) {

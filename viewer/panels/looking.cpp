@@ -179,7 +179,11 @@ void look_of(WindowState& s) {
     slide("Highlight compression", s.shoulder, 0, 0.9f, "%.2f");
     int model = static_cast<int>(s.model);
     leave_room_for("Ward model (expert)");
-    if (ImGui::Combo("Ward model (expert)", &model, "1992\0Duer\0bounded\0"))
+    const auto label_of = [](void*, int i, const char** label) {
+        *label = kWardModels[static_cast<std::size_t>(i)].label;
+        return true;
+    };
+    if (ImGui::Combo("Ward model (expert)", &model, label_of, nullptr, static_cast<int>(kWardModels.size())))
         s.model = static_cast<WardModel>(model);
     ImGui::Checkbox("Probe", &s.probing);
     ImGui::SameLine();

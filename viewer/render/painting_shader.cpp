@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "surface/reflectance/ward.h"
 #include "viewer/render/fragment_shader_begin.h"
 #include "viewer/render/fragment_shader_end.h"
 #include "viewer/render/view_mode.h"
@@ -11,7 +12,10 @@ namespace tangi {
 namespace {
 
 std::string assembled() {
-    std::string text = kFragmentShaderBegin;
+    std::string text;
+    for (const WardModelTraits& model : kWardModels)
+        text += fmt::format("#define WARD_{} {}\n", model.name, static_cast<int>(model.model));
+    text += kFragmentShaderBegin;
     for (const ViewModeTraits& mode : view_modes())
         text += fmt::format("#if MODE == {}\n{}{}#endif\n", static_cast<int>(mode.mode),
                             scale_chunk(mode.scale), mode.chunk);

@@ -7,6 +7,7 @@ namespace tangi {
 
 // GLSL without #version and without definitions. It holds the chunks of all view modes; MODE, which is to be
 // defined before it with the others, is the number of that which is compiled: its place in view_modes().
+// WARD_MODEL is WARD_<name>, or the number, of one of kWardModels.
 const std::string& painting_fragment_shader();
 
 }  // namespace tangi

@@ -52,7 +52,7 @@ TEST(Anisotropy, WithoutStretchTheLobeIsTheIsotropicOne) {
     for (int i = 0; i < 500; ++i) {
         const Vec3 n = random.direction(0.2), l = random.direction(0.05), v = random.direction(0.3);
         const Brushed plain{static_cast<float>(random.uniform(0.15, 0.7)), Stretch(0)};
-        for (const WardModel model : {WardModel::ward1992, WardModel::duer, WardModel::bounded}) {
+        for (const auto& [model, name, label] : kWardModels) {
             const float is = hazy_lobe(model, ward_angles(n, l, v), plain.alpha, 0.3f);
             EXPECT_NEAR(plain.lobe(n, l, v, 0.3f, model), is, 2e-4f * is + 1e-6f);
         }

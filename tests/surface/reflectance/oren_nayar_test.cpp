@@ -94,7 +94,7 @@ TEST(SecondLobe, IsTheLobeWithoutItAndTheWiderOneWithNothingElse) {
         const glm::dvec3 l(random.direction(0.1)), v(random.direction(0.1)), h = l + v;
         const WardAngles<double> a{l.z, v.z, h.z, glm::dot(h, h)};
         const double alpha = random.uniform(0.05, 0.4);
-        for (const WardModel model : {WardModel::ward1992, WardModel::duer, WardModel::bounded}) {
+        for (const auto& [model, name, label] : kWardModels) {
             const double core = ward_lobe(model, a, alpha),
                          wide = ward_lobe(model, a, kSecondLobeWidth * alpha);
             EXPECT_EQ(hazy_lobe(model, a, alpha, 0.0), core);

@@ -44,7 +44,7 @@ void RendererTest::expect_equals_the_reference(Surface s, Surface without, const
 
 TEST_F(RendererTest, EqualsTheReferenceInAllModels) {
     const Surface s = painted_surface(150, 170);
-    for (const WardModel model : {WardModel::ward1992, WardModel::duer, WardModel::bounded}) {
+    for (const auto& [model, name, label] : kWardModels) {
         RelightOptions options{.model = model, .ambient = 0.05};
         EXPECT_GE(part_within(by_gl(s, some_lights(), options), relight(s, some_lights(), options), 1), 0.999)
             << name_of(model);

@@ -72,7 +72,7 @@ class Drawing {
       return;
     }
     const [x, y, z] = scene.light, shadows = scene.shadows && this.horizon ? 1 : 0, [roughness, second_lobe_weight] = data.reflectance_model;
-    const definitions = Object.entries({WARD_MODEL: 2, REFLECTANCE_MODEL: roughness || second_lobe_weight ? 1 : 0, SPECULAR_COLOUR: data.specular_colour ? 1 : 0, ANISOTROPIC: data.anisotropic_specular ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
+    const definitions = Object.entries({WARD_MODEL: 'WARD_bounded', REFLECTANCE_MODEL: roughness || second_lobe_weight ? 1 : 0, SPECULAR_COLOUR: data.specular_colour ? 1 : 0, ANISOTROPIC: data.anisotropic_specular ? 1 : 0, FILTER: shot.smooth ? 1 : 0, AT_HOME: 0,
       LIGHTS: 1, NEAR: 0, BENDS: 0, BEAMS: 0, SHADOWS: shadows, EYE: 1, MODE: scene.look, OUTPUT: 1, GREY: 1, BARE: 0}).map(([name, value]) => `#define ${name} ${value}\n`).join('');
     const {program, at} = this.program(definitions);
     gl.useProgram(program);
