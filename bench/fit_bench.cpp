@@ -21,7 +21,7 @@
 #include "surface/base/instruction_sets.h"
 #include "surface/base/parallel.h"
 #include "surface/reflectance/ward.h"
-#include "tests/support/ward_samples.h"
+#include "tests/support/fit/ward_samples.h"
 
 namespace tangi {
 namespace {

@@ -31,7 +31,7 @@ set(TP_LONG_FILES
     fit/material/anisotropy_estimate_test.cpp
     fit/pipeline/data_test.cpp
     fit/pipeline/spheres_test.cpp
-    programs/cli/large_stacks_test.cpp
+    programs/cli/stacks/large_stacks_test.cpp
     robustness/further_faults_test.cpp)
 
 # With the sanitizers tests compile in less than half the time without optimisation. What they share with the rooms,

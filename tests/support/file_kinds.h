@@ -30,7 +30,7 @@
 #include "surface/file/sha256.h"
 #include "surface/maps/photography_json.h"
 #include "surface/painting_file/overview.h"
-#include "tests/support/picture_metadata.h"
+#include "tests/support/capture/picture_metadata.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -5,7 +5,7 @@
 
 #include "capture/formats/capture_file.h"
 #include "capture/geometry/plane_pose.h"
-#include "tests/support/marker_pictures.h"
+#include "tests/support/capture/marker_pictures.h"
 
 namespace tangi {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/support/chart_pictures.h"
+#include "tests/support/capture/chart_pictures.h"
 
 namespace tangi {
 namespace {

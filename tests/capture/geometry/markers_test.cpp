@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/support/marker_pictures.h"
+#include "tests/support/capture/marker_pictures.h"
 
 namespace tangi {
 namespace {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/colour_chart/colour_chart.h"
-#include "tests/support/chart_pictures.h"
+#include "tests/support/capture/chart_pictures.h"
 
 namespace tangi {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "capture/photo/exposure_merge.h"
 #include "capture/radiometry/develop_stack.h"
-#include "tests/support/dng_writer.h"
+#include "tests/support/capture/dng_writer.h"
 
 namespace tangi {
 namespace {

@@ -5,8 +5,8 @@
 #include <lcms2.h>
 
 #include "capture/photo/photo_file.h"
+#include "tests/support/capture/tiff_writer.h"
 #include "tests/support/test_support.h"
-#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

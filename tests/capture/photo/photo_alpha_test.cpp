@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/stack/survey.h"
-#include "tests/support/photo_files.h"
+#include "tests/support/capture/photo_files.h"
 
 namespace tangi {
 namespace {

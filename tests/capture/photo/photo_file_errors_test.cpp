@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/photo/photo_metadata.h"
-#include "tests/support/photo_files.h"
+#include "tests/support/capture/photo_files.h"
 
 namespace tangi {
 namespace {

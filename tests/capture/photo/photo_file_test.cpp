@@ -6,8 +6,8 @@
 #include <glm/vec2.hpp>
 #include <limits>
 
-#include "tests/support/photo_files.h"
-#include "tests/support/tiff_writer.h"
+#include "tests/support/capture/photo_files.h"
+#include "tests/support/capture/tiff_writer.h"
 
 namespace tangi {
 namespace {

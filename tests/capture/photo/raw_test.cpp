@@ -8,7 +8,7 @@
 #include "capture/radiometry/develop_stack.h"
 #include "capture/stack/grey_photos.h"
 #include "capture/stack/survey.h"
-#include "tests/support/dng_writer.h"
+#include "tests/support/capture/dng_writer.h"
 
 namespace tangi {
 namespace {

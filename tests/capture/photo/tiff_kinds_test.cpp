@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "surface/image_file/tiff_pages.h"
-#include "tests/support/photo_files.h"
-#include "tests/support/tiff_writer.h"
+#include "tests/support/capture/photo_files.h"
+#include "tests/support/capture/tiff_writer.h"
 
 namespace tangi {
 namespace {

@@ -7,7 +7,7 @@
 #include "capture/colour_chart/colour_calibration.h"
 #include "datasets/generator.h"
 #include "surface/image_file/image_io.h"
-#include "tests/support/chart_pictures.h"
+#include "tests/support/capture/chart_pictures.h"
 
 namespace tangi {
 namespace {

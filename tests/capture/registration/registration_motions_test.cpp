@@ -6,7 +6,7 @@
 
 #include "capture/registration/camera_motion.h"
 #include "capture/registration/registration.h"
-#include "tests/support/registration_scenes.h"
+#include "tests/support/capture/registration_scenes.h"
 
 namespace tangi {
 namespace {

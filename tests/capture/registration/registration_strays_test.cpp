@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/registration/registration.h"
-#include "tests/support/registration_scenes.h"
+#include "tests/support/capture/registration_scenes.h"
 
 namespace tangi {
 namespace {

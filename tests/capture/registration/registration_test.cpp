@@ -10,7 +10,7 @@
 
 #include "surface/base/parallel.h"
 #include "surface/image/local_contrast.h"
-#include "tests/support/registration_scenes.h"
+#include "tests/support/capture/registration_scenes.h"
 
 namespace tangi {
 namespace {

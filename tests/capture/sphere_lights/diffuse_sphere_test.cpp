@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/photo/rejected_photo.h"
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

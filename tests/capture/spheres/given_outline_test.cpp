@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/spheres/sphere_sizes.h"
-#include "tests/support/mirrored_painting.h"
+#include "tests/support/capture/mirrored_painting.h"
 
 namespace tangi {
 namespace {

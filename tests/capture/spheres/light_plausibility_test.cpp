@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

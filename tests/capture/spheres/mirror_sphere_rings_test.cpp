@@ -2,7 +2,7 @@
 // fades where what it mirrors looks like what lies behind.
 #include <gmock/gmock.h>
 
-#include "tests/support/mirrored_painting.h"
+#include "tests/support/capture/mirrored_painting.h"
 
 namespace tangi {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "surface/file/atomic_file.h"
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

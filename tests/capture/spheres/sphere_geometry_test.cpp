@@ -5,7 +5,7 @@
 
 #include "capture/sphere_lights/light_position.h"
 #include "capture/spheres/highlight_lobe.h"
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

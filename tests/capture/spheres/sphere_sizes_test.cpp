@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/spheres/sphere_sizes.h"
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

@@ -10,7 +10,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "surface/base/median.h"
 #include "surface/maps/photography_json.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

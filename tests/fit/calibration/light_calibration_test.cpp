@@ -11,8 +11,8 @@
 #include "surface/base/parallel.h"
 #include "surface/image_file/image_io.h"
 #include "surface/maps/photography_json.h"
-#include "tests/support/fit_test_support.h"
-#include "tests/support/light_errors.h"
+#include "tests/support/fit/fit_test_support.h"
+#include "tests/support/fit/light_errors.h"
 
 namespace tangi {
 namespace {

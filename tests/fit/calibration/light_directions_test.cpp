@@ -10,7 +10,7 @@
 #include "fit/calibration/light_calibration.h"
 #include "fit/calibration/light_direction_field.h"
 #include "surface/maps/photography_json.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

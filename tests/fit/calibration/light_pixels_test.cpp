@@ -8,8 +8,8 @@
 #include "datasets/generator.h"
 #include "fit/calibration/light_calibration.h"
 #include "surface/maps/photography_json.h"
-#include "tests/support/fit_test_support.h"
-#include "tests/support/light_errors.h"
+#include "tests/support/fit/fit_test_support.h"
+#include "tests/support/fit/light_errors.h"
 
 namespace tangi {
 namespace {

@@ -11,7 +11,7 @@
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 #include "surface/render/relight.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

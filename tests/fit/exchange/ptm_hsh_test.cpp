@@ -7,7 +7,7 @@
 
 #include "surface/image/metrics.h"
 #include "surface/image_file/image_io.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -11,7 +11,7 @@
 #include "fit/height/height_error.h"
 #include "fit/height/slope_edges.h"
 #include "fit/pipeline/fit_painting.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "capture/formats/lights_file.h"
 #include "fit/pipeline/fit_painting.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

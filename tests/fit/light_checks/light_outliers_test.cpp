@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/support/bumps.h"
+#include "tests/support/fit/bumps.h"
 
 namespace tangi {
 namespace {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/maps/light.h"
-#include "tests/support/bumps.h"
+#include "tests/support/fit/bumps.h"
 
 namespace tangi {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "tests/support/bumps.h"
+#include "tests/support/fit/bumps.h"
 
 namespace tangi {
 namespace {

@@ -9,7 +9,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "fit/pixel/ward_batch.h"
 #include "surface/render/relight.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "fit/pipeline/fit_painting.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fit/material/anisotropy_estimate.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

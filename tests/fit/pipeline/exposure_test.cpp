@@ -5,7 +5,7 @@
 #include "datasets/generator.h"
 #include "fit/pipeline/fit_painting.h"
 #include "surface/image_file/image_io.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -11,7 +11,7 @@
 #include "fit/shadows/light_angular_radius.h"
 #include "surface/render/cast_shadows.h"
 #include "surface/render/relight.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "datasets/generator.h"
 #include "surface/report/html_report.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -14,7 +14,7 @@
 #include "surface/base/parallel.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

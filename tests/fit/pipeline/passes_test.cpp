@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

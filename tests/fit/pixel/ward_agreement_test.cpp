@@ -10,7 +10,7 @@
 
 #include "fit/pixel/ward_fit.h"
 #include "surface/reflectance/ward.h"
-#include "tests/support/ward_samples.h"
+#include "tests/support/fit/ward_samples.h"
 
 namespace tangi {
 namespace {

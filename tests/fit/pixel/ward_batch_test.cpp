@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "surface/base/instruction_sets.h"
+#include "tests/support/fit/ward_samples.h"
 #include "tests/support/instruction_sets.h"
-#include "tests/support/ward_samples.h"
 
 namespace tangi {
 namespace {

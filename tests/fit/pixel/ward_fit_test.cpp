@@ -10,7 +10,7 @@
 #include <iostream>
 #include <limits>
 
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "surface/base/parallel.h"
-#include "tests/support/fit_test_support.h"
+#include "tests/support/fit/fit_test_support.h"
 
 namespace tangi {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

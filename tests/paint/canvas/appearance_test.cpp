@@ -12,7 +12,7 @@
 #include "paint/optics/kubelka_munk.h"
 #include "surface/base/error.h"
 #include "surface/reflectance/anisotropy.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -7,7 +7,7 @@
 #include "paint/canvas/quantise_volumes.h"
 #include "paint/stroke/stroke.h"
 #include "surface/base/noise.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 
 namespace tangi {
 namespace {

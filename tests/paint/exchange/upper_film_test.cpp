@@ -10,7 +10,7 @@
 #include "paint/optics/kubelka_munk.h"
 #include "paint/session/mixing_board.h"
 #include "paint/stroke/paint_window.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

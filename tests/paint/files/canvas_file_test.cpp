@@ -8,7 +8,7 @@
 #include "surface/painting_file/overview.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/painting_file/painting_parts.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

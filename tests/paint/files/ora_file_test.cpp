@@ -7,7 +7,7 @@
 #include "paint/canvas/layer_pictures.h"
 #include "paint/files/canvas_file.h"
 #include "surface/image_file/image_io.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

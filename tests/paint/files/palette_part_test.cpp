@@ -6,7 +6,7 @@
 
 #include "paint/files/canvas_file.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -8,7 +8,7 @@
 
 #include "paint/session/journal_file_text.h"
 #include "paint/session/session.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

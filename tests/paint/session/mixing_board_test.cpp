@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/base/parallel.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "paint/stroke/stroke.h"
-#include "tests/support/paint_samples.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_samples.h"
+#include "tests/support/paint/paint_support.h"
 
 namespace tangi {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "paint/stroke/step_rates.h"
 #include "surface/base/parallel.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 
 namespace tangi {
 namespace {

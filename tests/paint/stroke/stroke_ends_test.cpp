@@ -7,7 +7,7 @@
 #include "paint/exchange/squeeze_out.h"
 #include "paint/stroke/stroke.h"
 #include "paint/substrate/substrate.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 
 namespace tangi {
 namespace {

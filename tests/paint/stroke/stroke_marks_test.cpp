@@ -7,8 +7,8 @@
 
 #include "paint/stroke/stroke.h"
 #include "paint/substrate/substrate.h"
-#include "tests/support/paint_samples.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_samples.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

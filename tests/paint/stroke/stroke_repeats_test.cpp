@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "paint/stroke/stroke.h"
-#include "tests/support/paint_samples.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_samples.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -8,7 +8,7 @@
 #include "paint/substrate/substrate.h"
 #include "surface/base/parallel.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

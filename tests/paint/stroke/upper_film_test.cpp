@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "paint/canvas/layer_pictures.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -3,7 +3,7 @@
 
 #include "surface/painting_file/painting_file.h"
 #include "tests/programs/support/window_screen.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 
 namespace tangi {
 

@@ -4,7 +4,7 @@
 
 #include "tests/programs/support/window_screen.h"
 #include "tests/programs/support/x_client.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/devices/x11_connection.h"
 
 namespace tangi {

@@ -11,8 +11,8 @@
 #include <fstream>
 
 #include "retouch/treatment/treatment_strokes.h"
-#include "tests/support/record_support.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/paint/record_support.h"
+#include "tests/support/viewer/viewer_support.h"
 
 namespace tangi {
 namespace {

@@ -3,7 +3,7 @@
 #include "paint/session/journal.h"
 #include "tests/programs/support/painting_window.h"
 #include "tests/programs/support/small_disk.h"
-#include "tests/support/record_support.h"
+#include "tests/support/paint/record_support.h"
 
 namespace tangi {
 namespace {

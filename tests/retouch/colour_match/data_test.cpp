@@ -9,7 +9,7 @@
 #include "retouch/inpaint/quality.h"
 #include "retouch/inpaint/retouch_modes.h"
 #include "surface/image_file/image_io.h"
-#include "tests/support/damage_truth.h"
+#include "tests/support/retouch/damage_truth.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

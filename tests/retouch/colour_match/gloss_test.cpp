@@ -6,7 +6,7 @@
 #include "paint/canvas/appearance.h"
 #include "retouch/fill/fill.h"
 #include "retouch/inpaint/retouch_modes.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 
 namespace tangi {
 namespace {

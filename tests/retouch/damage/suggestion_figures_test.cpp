@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "retouch/damage/area_suggestion.h"
-#include "tests/support/damage_truth.h"
+#include "tests/support/retouch/damage_truth.h"
 
 namespace tangi {
 namespace {

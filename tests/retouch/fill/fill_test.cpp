@@ -8,7 +8,7 @@
 #include "paint/canvas/appearance.h"
 #include "retouch/treatment/treatment.h"
 #include "surface/base/error.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

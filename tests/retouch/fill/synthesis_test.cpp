@@ -8,7 +8,7 @@
 #include "retouch/fill/texture_synthesis.h"
 #include "surface/base/error.h"
 #include "surface/base/noise.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -8,8 +8,8 @@
 #include "retouch/treatment/treatment_steps.h"
 #include "surface/base/error.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/damage_truth.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
+#include "tests/support/retouch/damage_truth.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -14,7 +14,7 @@
 #include "surface/base/error.h"
 #include "surface/file/atomic_file.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -11,7 +11,7 @@
 #include "retouch/treatment/treatment_folder.h"
 #include "retouch/treatment/treatment_steps.h"
 #include "surface/base/error.h"
-#include "tests/support/treatment_folder.h"
+#include "tests/support/retouch/treatment_folder.h"
 
 namespace tangi {
 namespace {

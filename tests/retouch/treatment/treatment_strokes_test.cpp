@@ -6,7 +6,7 @@
 
 #include "paint/session/session.h"
 #include "retouch/treatment/treatment_steps.h"
-#include "tests/support/treatment_folder.h"
+#include "tests/support/retouch/treatment_folder.h"
 
 namespace tangi {
 namespace {

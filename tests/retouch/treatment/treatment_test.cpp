@@ -13,7 +13,7 @@
 #include "surface/file/atomic_file.h"
 #include "surface/file/sha256.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/treatment_folder.h"
+#include "tests/support/retouch/treatment_folder.h"
 
 namespace tangi {
 namespace {

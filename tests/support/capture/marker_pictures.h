@@ -3,7 +3,7 @@
 
 #include <opencv2/aruco.hpp>
 
-#include "tests/support/chart_pictures.h"
+#include "tests/support/capture/chart_pictures.h"
 
 namespace tangi {
 

@@ -1,7 +1,7 @@
 // mirrored_painting.h: a mirror sphere that lies on a painting and mirrors it: its outline hardly shows.
 #pragma once
 
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 
 #include "retouch/treatment/treatment.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/paint_support.h"
+#include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

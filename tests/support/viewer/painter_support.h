@@ -3,9 +3,9 @@
 
 #include "paint/files/canvas_file.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/paint_support.h"
-#include "tests/support/record_support.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/paint/paint_support.h"
+#include "tests/support/paint/record_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/model/painter.h"
 
 namespace tangi {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/support/painter_support.h"
+#include "tests/support/viewer/painter_support.h"
 
 namespace tangi {
 

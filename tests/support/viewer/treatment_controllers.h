@@ -8,8 +8,8 @@
 
 #include "paint/files/canvas_file.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/damage_truth.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/retouch/damage_truth.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {

@@ -8,7 +8,7 @@
 
 #include "surface/image_file/image_io.h"
 #include "surface/image_file/picture_header.h"
-#include "tests/support/picture_metadata.h"
+#include "tests/support/capture/picture_metadata.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -9,7 +9,7 @@
 
 #include "surface/image_file/exif_block.h"
 #include "surface/image_file/icc_profile.h"
-#include "tests/support/picture_metadata.h"
+#include "tests/support/capture/picture_metadata.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "surface/image_file/image_io.h"
+#include "tests/support/capture/tiff_writer.h"
 #include "tests/support/test_support.h"
-#include "tests/support/tiff_writer.h"
 
 namespace tangi {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "surface/base/parallel.h"
-#include "tests/support/foreign_painting.h"
-#include "tests/support/painting_file_support.h"
+#include "tests/support/surface/foreign_painting.h"
+#include "tests/support/surface/painting_file_support.h"
 
 namespace tangi {
 namespace {

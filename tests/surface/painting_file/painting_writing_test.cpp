@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/painting_file_support.h"
+#include "tests/support/surface/painting_file_support.h"
 
 namespace tangi {
 namespace {

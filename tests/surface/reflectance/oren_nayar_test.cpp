@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "surface/reflectance/ward.h"
-#include "tests/support/reflectance_support.h"
+#include "tests/support/surface/reflectance_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "tests/support/reflectance_support.h"
+#include "tests/support/surface/reflectance_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "surface/base/parallel.h"
-#include "tests/support/reflectance_support.h"
+#include "tests/support/surface/reflectance_support.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

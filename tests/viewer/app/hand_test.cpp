@@ -5,7 +5,7 @@
 #include <GLFW/glfw3.h>
 #include <gmock/gmock.h>
 
-#include "tests/support/painter_support.h"
+#include "tests/support/viewer/painter_support.h"
 
 namespace tangi {
 namespace {

@@ -15,8 +15,8 @@
 #include "paint/files/palette_part.h"
 #include "surface/base/noise.h"
 #include "surface/painting_file/painting_file.h"
-#include "tests/support/paint_support.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/paint/paint_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/model/painter.h"
 
 namespace {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "surface/painting_file/painting_parts.h"
-#include "tests/support/painter_support.h"
+#include "tests/support/viewer/painter_support.h"
 
 namespace tangi {
 namespace {

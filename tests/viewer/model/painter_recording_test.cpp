@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/programs/support/small_disk.h"
-#include "tests/support/recording_support.h"
+#include "tests/support/viewer/recording_support.h"
 
 namespace tangi {
 namespace {

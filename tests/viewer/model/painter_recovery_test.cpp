@@ -2,7 +2,7 @@
 // own painting.
 #include <gmock/gmock.h>
 
-#include "tests/support/recording_support.h"
+#include "tests/support/viewer/recording_support.h"
 
 namespace tangi {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "paint/canvas/appearance.h"
 #include "surface/painting_file/painting_parts.h"
-#include "tests/support/painter_support.h"
+#include "tests/support/viewer/painter_support.h"
 
 namespace tangi {
 namespace {

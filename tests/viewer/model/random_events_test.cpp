@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "retouch/treatment/confining_mask.h"
-#include "tests/support/painter_support.h"
+#include "tests/support/viewer/painter_support.h"
 
 namespace tangi {
 namespace {

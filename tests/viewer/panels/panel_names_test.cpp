@@ -10,7 +10,7 @@
 #include <set>
 
 #include "paint/brush/brush_settings.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/panels/fonts.h"
 #include "viewer/panels/panels.h"
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <lcms2.h>
 
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 
 namespace tangi {
 namespace {

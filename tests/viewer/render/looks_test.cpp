@@ -1,5 +1,5 @@
 // looks_test.cpp: ways to look at a painting otherwise than it is seen.
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/render/renderer.h"
 
 namespace tangi {

@@ -1,7 +1,7 @@
 // renderer_colours_test.cpp: the colours that OpenGL draws are those of their definitions.
 #include "viewer/render/renderer.h"
 
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/render/view.h"
 
 namespace tangi {

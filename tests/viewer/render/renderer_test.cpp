@@ -4,7 +4,7 @@
 #include "viewer/render/renderer.h"
 
 #include "surface/base/parallel.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/render/cpu_render.h"
 #include "viewer/render/view.h"
 

@@ -1,7 +1,7 @@
 // texels_test.cpp: packed maps come back as they were, and levels of detail conserve what they must.
 #include "viewer/render/texels.h"
 
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 
 namespace tangi {
 namespace {

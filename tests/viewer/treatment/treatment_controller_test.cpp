@@ -4,7 +4,7 @@
 
 #include "paint/canvas/appearance.h"
 #include "surface/file/atomic_file.h"
-#include "tests/support/treatment_controllers.h"
+#include "tests/support/viewer/treatment_controllers.h"
 
 namespace tangi {
 namespace {

@@ -2,7 +2,7 @@
 // the log, and what is said of them.
 #include <gmock/gmock.h>
 
-#include "tests/support/treatment_controllers.h"
+#include "tests/support/viewer/treatment_controllers.h"
 
 namespace tangi {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "retouch/colour_match/pigment_pairs.h"
-#include "tests/support/treatment_controllers.h"
+#include "tests/support/viewer/treatment_controllers.h"
 
 namespace tangi {
 namespace {

@@ -5,7 +5,7 @@
 #include "surface/file/atomic_file.h"
 #include "surface/render/relight.h"
 #include "tests/programs/support/browser.h"
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 #include "viewer/render/view.h"
 
 namespace tangi {

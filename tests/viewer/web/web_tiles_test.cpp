@@ -3,7 +3,7 @@
 
 #include <zlib.h>
 
-#include "tests/support/viewer_support.h"
+#include "tests/support/viewer/viewer_support.h"
 
 namespace tangi {
 namespace {

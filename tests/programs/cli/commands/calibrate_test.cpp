@@ -5,8 +5,8 @@
 #include "surface/base/median.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/programs/support/cli_program.h"
-#include "tests/support/chart_pictures.h"
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/capture/chart_pictures.h"
+#include "tests/support/capture/sphere_pictures.h"
 
 namespace tangi {
 namespace {

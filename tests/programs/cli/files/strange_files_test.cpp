@@ -1,7 +1,7 @@
 // strange_files_test.cpp: what the program says of files that strangers made: in its own words, in few of
 // them, at once, and without asking for memory that the file cannot fill.
 #include "tests/programs/support/cli_program.h"
-#include "tests/support/picture_metadata.h"
+#include "tests/support/capture/picture_metadata.h"
 
 namespace tangi {
 namespace {

@@ -1,6 +1,6 @@
 // Everything that can be wrong with folders, lights and paintings: the message names the file, the place,
 // the remedy.
-#include "tests/support/bad_stack.h"
+#include "tests/programs/support/bad_stack.h"
 
 namespace tangi {
 namespace {

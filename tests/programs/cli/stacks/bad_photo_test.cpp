@@ -1,5 +1,5 @@
 // Everything that can be wrong with photographs: the message names the file, the place, the remedy.
-#include "tests/support/bad_stack.h"
+#include "tests/programs/support/bad_stack.h"
 
 namespace tangi {
 namespace {

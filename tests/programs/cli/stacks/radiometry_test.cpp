@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/programs/support/cli_program.h"
-#include "tests/support/dng_writer.h"
+#include "tests/support/capture/dng_writer.h"
 
 namespace tangi {
 namespace {

@@ -2,9 +2,9 @@
 #include <functional>
 #include <limits>
 
-#include "tests/support/bad_stack.h"
-#include "tests/support/picture_metadata.h"
-#include "tests/support/tiff_writer.h"
+#include "tests/programs/support/bad_stack.h"
+#include "tests/support/capture/picture_metadata.h"
+#include "tests/support/capture/tiff_writer.h"
 
 namespace tangi {
 namespace {
