@@ -243,7 +243,7 @@ std::vector<std::filesystem::path> PhotosArguments::inputs(const Stack& stack) c
 
 LightAxes PhotosArguments::axes() const {
     LightAxes axes = light_axes_of(light_axes).value_or(LightAxes{});
-    axes.rotation_deg += light_rotation_deg;
+    axes.rotation_deg = light_rotation_deg;
     return axes;
 }
 

@@ -129,11 +129,7 @@ Vec3 turned(const Vec3& v, double degrees) {
 void place_bare_vectors(const fs::path& path, const LightList& file, bool in_mm, const LightAxes& axes,
                         StackCalibration& read) {
     add_what_is_beside(path, read);
-    for (Light& light : read.lights) {
-        if (axes.flip_x) light.direction.x *= -1;
-        if (axes.flip_y) light.direction.y *= -1;
-        if (axes.rotation_deg != 0) light.direction = turned(light.direction, axes.rotation_deg);
-    }
+    for (Light& light : read.lights) light.direction = axes.applied(light.direction);
     const auto [shortest, longest] = std::minmax_element(file.lengths.begin(), file.lengths.end());
     if (in_mm) {
         for (std::size_t i = 0; i < read.lights.size(); ++i)
@@ -214,24 +210,24 @@ std::string joined(const std::vector<std::string>& names, std::size_t most) {
     return text;
 }
 
+Vec3 LightAxes::applied(Vec3 listed) const {
+    if (exchanged) std::swap(listed.x, listed.y);
+    if (flip_x) listed.x *= -1;
+    if (flip_y) listed.y *= -1;
+    return rotation_deg != 0 ? turned(listed, rotation_deg) : listed;
+}
+
 std::optional<LightAxes> light_axes_of(std::string_view text) {
-    for (const bool flip_x : {false, true})
-        for (const bool flip_y : {false, true})
-            for (const double rotation_deg : {0.0, 90.0, -90.0}) {
-                const LightAxes axes{flip_x, flip_y, rotation_deg};
-                // What the first and the second number of a line become.
-                Vec3 of_x(flip_x ? -1 : 1, 0, 0), of_y(0, flip_y ? -1 : 1, 0);
-                of_x = turned(of_x, rotation_deg), of_y = turned(of_y, rotation_deg);
-                const auto term = [](float x, float y) {
-                    return fmt::format("{}{}", x + y < 0 ? "-" : "", x != 0 ? "x" : "y");
-                };
-                if (text == fmt::format("{},{},z", term(of_x.x, of_y.x), term(of_x.y, of_y.y))) return axes;
-            }
+    for (const bool exchanged : {false, true})
+        for (const bool flip_x : {false, true})
+            for (const bool flip_y : {false, true})
+                if (const LightAxes axes{exchanged, flip_x, flip_y}; text == in_words(axes)) return axes;
     return std::nullopt;
 }
 
 std::string in_words(const LightAxes& axes) {
-    return fmt::format("{}x,{}y,z", axes.flip_x ? "-" : "", axes.flip_y ? "-" : "");
+    return fmt::format("{}{},{}{},z", axes.flip_x ? "-" : "", axes.exchanged ? "y" : "x",
+                       axes.flip_y ? "-" : "", axes.exchanged ? "x" : "y");
 }
 
 namespace {

@@ -15,15 +15,19 @@ namespace tangi {
 
 // How the axes of a lights file point, where not x right, y up: many programs have y downwards.
 struct LightAxes {
-    bool flip_x = false, flip_y = false;
-    double rotation_deg = 0;  // then, counter-clockwise as the camera sees it
-    bool differ() const { return flip_x || flip_y || rotation_deg != 0; }
+    bool exchanged = false;               // first, x for y and y for x
+    bool flip_x = false, flip_y = false;  // then, the signs of what has become x and y
+    double rotation_deg = 0;              // then, counter-clockwise as the camera sees it
+    bool are_reordered() const { return exchanged || flip_x || flip_y; }
+    bool differ() const { return are_reordered() || rotation_deg != 0; }
+
+    Vec3 applied(Vec3 listed) const;
 };
 
 // The axes that "x,-y,z" or "y,x,z" says: x and y in any order, each with a sign. Nothing where it says none.
 std::optional<LightAxes> light_axes_of(std::string_view text);
 
-// "x,-y,z": the signs of axes, but for their rotation.
+// "x,-y,z": order and signs of axes, but for their rotation.
 std::string in_words(const LightAxes& axes);
 
 // What the files of a stack tell, before it is known which photographs there are.

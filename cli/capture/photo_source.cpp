@@ -47,7 +47,8 @@ PhotosArguments remembered(const Surface& surface) {
     // Of version 0.1.
     const auto is_set = [&](const char* name) { return member(photos, name) == nlohmann::json(true); };
     if (is_set("lights_flip_x") || is_set("lights_flip_y"))
-        arguments.light_axes = in_words(LightAxes{is_set("lights_flip_x"), is_set("lights_flip_y")});
+        arguments.light_axes =
+            in_words({.flip_x = is_set("lights_flip_x"), .flip_y = is_set("lights_flip_y")});
     if (const nlohmann::json deg = member(photos, "lights_turn_deg"); deg.is_number())
         arguments.light_rotation_deg = deg;
     return arguments;

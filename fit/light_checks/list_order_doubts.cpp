@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/light_checks/axis_remedy.h"
 #include "fit/light_checks/list_order.h"
 
 namespace tangi {
@@ -23,9 +24,19 @@ double between_deg(const LightTurn& a, const LightTurn& b) {
     return std::min(off, 180 - off);
 }
 
-// Whether another order is what is wrong, `turn` being what slopes, and the user, ask of the lights as
-// listed.
-bool explains(const ListOrder::Other& other, const ListOrder& order, const LightTurn& turn,
+// Whether another order does to all lights what `turn` does.
+bool is_as(const LightTurn& turn, const ListOrder::Other& other) {
+    return turn != LightTurn{} && other.alike > kAlikeOrders && between_deg(other.turn, turn) < kSameTurn_deg;
+}
+
+// What is wrong with the lights, in two ways to see it.
+struct Asked {
+    LightTurn as_taken;   // by slopes, of the lights as the user's flags turned them: these are right
+    LightTurn as_listed;  // by both, where the flags are to make up for the order
+};
+
+// Whether another order is what is wrong.
+bool explains(const ListOrder::Other& other, const ListOrder& order, const Asked& asked,
               bool fits_as_listed) {
     const double listed_scatter_deg = order.scatter_deg;
     const double left = order.explainable - other.explained,
@@ -37,8 +48,8 @@ bool explains(const ListOrder::Other& other, const ListOrder& order, const Light
     if (!fits_as_listed && is_sure && other.scatter_deg < kMostOrderScatter_deg &&
         other.scatter_deg < kScatterRatio * listed_scatter_deg)
         return true;
-    return turn != LightTurn{} && other.alike > kAlikeOrders && other.scatter_deg < listed_scatter_deg &&
-           between_deg(other.turn, turn) < kSameTurn_deg;
+    return other.scatter_deg < listed_scatter_deg &&
+           (is_as(asked.as_listed, other) || is_as(asked.as_taken, other));
 }
 
 struct Told {
@@ -110,24 +121,21 @@ std::string doubt_of_any_order(const ListOrder& order) {
 
 std::string doubt_of(const ListOrder& order, const SignCheck& signs, const LightAxes& taken,
                      const std::vector<std::string>& names, bool fits_as_listed) {
-    // Both axes are half a turn.
-    const LightTurn asked = LightTurn{false, taken.rotation_deg}.after(
-        {taken.flip_x != taken.flip_y, taken.flip_x ? 180.0 : 0.0});
-    const LightTurn turn = asked.after(signs.remedy());
+    const LightTurn remedy_of_slopes = signs.remedy();
+    const Asked asked{remedy_of_slopes, light_turn_of(taken).after(remedy_of_slopes)};
     const auto found = std::find_if(
         order.better.begin(), order.better.end(),
-        [&](const ListOrder::Other& other) { return explains(other, order, turn, fits_as_listed); });
+        [&](const ListOrder::Other& other) { return explains(other, order, asked, fits_as_listed); });
     if (found == order.better.end()) return {};
     const auto [what, remedy] = told(*found, names);
     std::string text = fmt::format(
         "the list of lights {}: {} (matt reflection fits {:.0f} % better so, {:.0f} standard errors): {}",
         what, examples_of(*found, names), 100 * (std::exp(-found->log_ratio) - 1), found->certainty, remedy);
-    std::string flags;
-    for (const auto& [given, flag] : {std::pair(taken.flip_x || taken.flip_y, "--light-axes"),
-                                      std::pair(taken.rotation_deg != 0, "--light-rotation-deg")})
-        if (given) flags += fmt::format(" {}", flag);
-    if (!flags.empty()) return text + "; leave out" + flags;
-    return turn == LightTurn{} ? text : text + "; all lights turned would be wrong for some photographs";
+    // Flags that turn lights as the order does were given in its place; others are right with it.
+    const bool flags_are_right = is_as(asked.as_taken, *found) && !is_as(asked.as_listed, *found);
+    if (taken.differ() && !flags_are_right) return text + "; leave out" + flags_given(taken);
+    return asked.as_taken == LightTurn{} ? text
+                                         : text + "; all lights turned would be wrong for some photographs";
 }
 
 std::string or_order(const ListOrder& order, const SignCheck& signs, const std::vector<std::string>& names) {

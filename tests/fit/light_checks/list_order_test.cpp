@@ -79,6 +79,17 @@ TEST(ListOrder, IsToldOfLightsThatWereTurnedInstead) {
                       Not(HasSubstr("--light-axes"))));
 }
 
+// A list with y downwards, as the user says, which is shifted besides.
+TEST(ListOrder, IsToldOfLightsWhoseAxesAreRight) {
+    Bumps bumps = rings();
+    list_otherwise(bumps, [](int i) { return i + 1; });
+    const ListOrder order = order_of(bumps);
+    EXPECT_THAT(doubt_of(order, turned_by(order.better.at(0).turn), {.flip_y = true}, names_of(bumps)),
+                AllOf(HasSubstr("is off by 1 photograph"), Not(HasSubstr("--light-axes"))));
+    EXPECT_THAT(doubt_of(order, {}, {.exchanged = true}, names_of(bumps)),
+                AllOf(HasSubstr("leave out --light-axes"), Not(HasSubstr("--light-rotation-deg"))));
+}
+
 TEST(ListOrder, AnEntryThatIsMissingIsToldWithItsPlace) {
     Bumps bumps = rings();
     list_otherwise(bumps, [](int i) { return i < 5 ? i : i + 1; });
