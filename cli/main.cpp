@@ -274,6 +274,9 @@ int main(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return no_command(argv[1]);
     RenamedFlags typed = with_present_flags(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
     for (const std::string& text : typed.notes) write_stderr("tangipaint: note: " + printable(text) + "\n");
+    if (!typed.given_twice.empty())
+        return ended(kUsage, fmt::format("tangipaint: {}\nSee: tangipaint {} --help",
+                                         printable(typed.given_twice), typed.words.front()));
     if (const std::optional<int> code = parse(app, typed.words)) return *code;
     if (!topic.empty() && !is_command(topic)) return no_command(topic);
     if (!topic.empty()) return show(app.get_subcommand(topic)->help("tangipaint"));

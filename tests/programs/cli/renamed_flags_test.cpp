@@ -48,12 +48,33 @@ TEST(RenamedFlags, OfAxesBecomeOne) {
                 ElementsAre("--light-axes=-x,-y,z"));
 }
 
+// Both may be meant, or one is left over: which, only who wrote them knows.
+TEST(RenamedFlags, OfAxesBesideTheNewOneAreToldWhatToWrite) {
+    const RenamedFlags both = with_present_flags({"fit", "--light-axes", "x,-y,z", "--lights-flip-x"});
+    EXPECT_THAT(both.given_twice,
+                "--lights-flip-x and --light-axes x,-y,z: both say how axes point; give one of them, or "
+                "--light-axes -x,-y,z where both are meant");
+    EXPECT_THAT(with_present_flags({"--lights-flip-x", "--light-axes=y,x,z"}).given_twice,
+                HasSubstr("--light-axes y,-x,z where both are meant"));
+    EXPECT_THAT(with_present_flags({"--lights-flip-y", "--light-axes=x,-y,z"}).given_twice,
+                HasSubstr("--light-axes x,-y,z where both are meant"));
+    EXPECT_THAT(with_present_flags({"--lights-flip-y", "--light-rotation-deg", "5"}).given_twice, IsEmpty());
+}
+
 TEST(CliRenamedFlags, AreTakenWithANote) {
     const TestDir dir;
     const Finished run = tangipaint({"calibrate", dir.path(), "--no-balls", "--out", dir / "c.json"});
     EXPECT_EQ(run.code, 1);
     EXPECT_THAT(run.err, HasSubstr("note: --no-balls is now --no-spheres"));
     EXPECT_THAT(run.err, testing::Not(HasSubstr("no such option")));
+}
+
+TEST(CliRenamedFlags, OfAxesBesideTheNewOneAreRefused) {
+    const TestDir dir;
+    const Finished run =
+        tangipaint({"fit", dir.path(), "--light-axes", "-x,y,z", "--lights-flip-y", "--out", dir / "p.exr"});
+    EXPECT_TRUE(
+        ended(run, 2, {"or --light-axes -x,-y,z where both are meant", "See: tangipaint fit --help"}));
 }
 
 TEST(CliRenamedFlags, OfAxesThatAreNoneAreRefused) {
