@@ -9,7 +9,7 @@
 #include "capture/photo/photo_file.h"
 #include "capture/photo/photo_folder.h"
 #include "capture/photo/raw_file.h"
-#include "tests/support/photo_files.h"
+#include "tests/support/capture/photo_files.h"
 
 namespace tangi {
 namespace {

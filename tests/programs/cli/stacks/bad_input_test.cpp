@@ -233,9 +233,9 @@ TEST(CliBadLights, AreOfAPoorCalibration) {
         return tangipaint(words);
     };
     ASSERT_TRUE(ended(run({"fit"}, painting), 0));
-    nlohmann::json json = nlohmann::json::parse(bytes_of(capture));
-    json["poor"] = {"the sphere is an egg"};
-    write_bytes(capture, json.dump());
+    nlohmann::json about = nlohmann::json::parse(bytes_of(capture));
+    about["poor"] = {"the sphere is an egg"};
+    write_bytes(capture, about.dump());
     const std::vector<std::string> told = {"poor result",
                                            "c.json: calibrate called it poor: the sphere is an egg"};
     EXPECT_TRUE(ended(run({"fit"}, painting), 3, told));
