@@ -38,16 +38,16 @@ std::optional<Enum> named(std::string_view name, const std::array<Enum, count>& 
     return std::nullopt;
 }
 
-std::string_view extension_of(PhotoFormat format) {
+std::string_view extension_of(GeneratorFormat format) {
     switch (format) {
-        case PhotoFormat::jpg:
+        case GeneratorFormat::jpg:
             return ".jpg";
-        case PhotoFormat::exr:
+        case GeneratorFormat::exr:
             return ".exr";
-        case PhotoFormat::tif:
+        case GeneratorFormat::tif:
             return ".tif";
-        case PhotoFormat::png16:
-        case PhotoFormat::png8:
+        case GeneratorFormat::png16:
+        case GeneratorFormat::png8:
             break;
     }
     return ".png";
@@ -242,17 +242,17 @@ std::string_view name_of(Reflectance reflectance) {
     return "lambert";
 }
 
-std::string_view name_of(PhotoFormat format) {
+std::string_view name_of(GeneratorFormat format) {
     switch (format) {
-        case PhotoFormat::png16:
+        case GeneratorFormat::png16:
             return "png16";
-        case PhotoFormat::png8:
+        case GeneratorFormat::png8:
             return "png8";
-        case PhotoFormat::jpg:
+        case GeneratorFormat::jpg:
             return "jpg";
-        case PhotoFormat::exr:
+        case GeneratorFormat::exr:
             return "exr";
-        case PhotoFormat::tif:
+        case GeneratorFormat::tif:
             break;
     }
     return "tif";
@@ -264,9 +264,9 @@ std::optional<Arrangement> arrangement_named(std::string_view name) {
 std::optional<Reflectance> reflectance_named(std::string_view name) {
     return named(name, std::array{Reflectance::ggx, Reflectance::ward_bounded, Reflectance::lambert});
 }
-std::optional<PhotoFormat> photo_format_named(std::string_view name) {
-    return named(name, std::array{PhotoFormat::png16, PhotoFormat::png8, PhotoFormat::jpg, PhotoFormat::exr,
-                                  PhotoFormat::tif});
+std::optional<GeneratorFormat> generator_format_named(std::string_view name) {
+    return named(name, std::array{GeneratorFormat::png16, GeneratorFormat::png8, GeneratorFormat::jpg,
+                                  GeneratorFormat::exr, GeneratorFormat::tif});
 }
 
 void require_valid(const GeneratorOptions& o) {
@@ -278,7 +278,7 @@ void require_valid(const GeneratorOptions& o) {
         fail("generator.beam_deg = {} needs near lights: give the distance as well", o.beam_deg);
     if (o.gain_max < o.gain_min)
         fail("generator.gain_max = {} is below gain_min = {}", o.gain_max, o.gain_min);
-    if (o.format == PhotoFormat::exr && o.transfer != Transfer{})
+    if (o.format == GeneratorFormat::exr && o.transfer != Transfer{})
         fail("generator.format = exr holds linear light; the transfer curve cannot be {}", o.transfer.name());
 }
 
@@ -372,7 +372,7 @@ Photography write_stack(const fs::path& folder, const PaintingTruth& truth, cons
     write_truth(folder / "gt", truth, photography, o);
 
     const Surface surface = surface_of(truth);
-    const PictureStorage storage{.bits = o.format == PhotoFormat::png8 ? 8 : 16,
+    const PictureStorage storage{.bits = o.format == GeneratorFormat::png8 ? 8 : 16,
                                  .jpeg_quality = o.jpeg_quality};
     std::vector<Light> nominal, held_out;
     int done = 0;

@@ -29,14 +29,14 @@ enum class Reflectance {
                    // specular: what the fit assumes
     lambert,       // f = rho_d / pi
 };
-enum class PhotoFormat { png16, png8, jpg, exr, tif };
+enum class GeneratorFormat { png16, png8, jpg, exr, tif };
 
 std::string_view name_of(Arrangement arrangement);
 std::string_view name_of(Reflectance reflectance);
-std::string_view name_of(PhotoFormat format);
+std::string_view name_of(GeneratorFormat format);
 std::optional<Arrangement> arrangement_named(std::string_view name);
 std::optional<Reflectance> reflectance_named(std::string_view name);
-std::optional<PhotoFormat> photo_format_named(std::string_view name);
+std::optional<GeneratorFormat> generator_format_named(std::string_view name);
 
 struct GeneratorOptions {
     std::uint64_t seed = 1;  // of noise, gains, held-out lights and errors of direction
@@ -67,7 +67,7 @@ struct GeneratorOptions {
     double read_noise_electrons = 6;     // [electrons] standard deviation
     int adc_bits = 12;
     Transfer transfer = {};  // from linear values to those in the files
-    PhotoFormat format = PhotoFormat::png16;
+    GeneratorFormat format = GeneratorFormat::png16;
     int jpeg_quality = 95;
 
     static constexpr std::string_view name = "generator";

@@ -99,7 +99,7 @@ nlohmann::json run_generate(GenerateArguments a) {
     a.photos.arrangement =
         chosen(arrangement_named(a.arrangement), "--arrangement", a.arrangement, "dome, spiral");
     a.photos.format =
-        chosen(photo_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
+        chosen(generator_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
     a.photos.transfer = chosen(transfer_named(a.transfer), "--transfer", a.transfer, "linear, srgb, a gamma");
     refuse_to_overwrite_photographs(a.out);
     const std::vector<fs::path> before = photographs_before(a.out);

@@ -91,7 +91,7 @@ TEST(PhotographyOf, PutsNearLightsAtTheirDistanceInPictureWidths) {
 }
 
 struct Storage {
-    PhotoFormat format;
+    GeneratorFormat format;
     Transfer transfer;
     double error;  // of an encoded value
 };
@@ -124,24 +124,24 @@ TEST_P(WrittenStack, HoldsThePhotographsThatWereRendered) {
             for (int x = 0; x < photo.width(); ++x)
                 for (int c = 0; c < 3; ++c) {
                     const float encoded = transfer.encode(photo(x, y)[c]);
-                    const float expected = format == PhotoFormat::exr ? encoded : std::min(encoded, 1.0f);
+                    const float expected = format == GeneratorFormat::exr ? encoded : std::min(encoded, 1.0f);
                     const double off = std::abs(band.row(i, c, y)[x] - expected);
                     worst = std::max(worst, off);
                     sum += off;
                 }
     }
     // JPEG halves the resolution of colour: only its mean error is small.
-    EXPECT_LE(format == PhotoFormat::jpg ? sum / (5.0 * 3 * 48 * 40) : worst, error);
+    EXPECT_LE(format == GeneratorFormat::jpg ? sum / (5.0 * 3 * 48 * 40) : worst, error);
 }
 
 // Half a step of the integers, and the rounding of floats.
 INSTANTIATE_TEST_SUITE_P(
     Formats, WrittenStack,
-    testing::Values(Storage{PhotoFormat::png16, {}, 0.5 / 65535 + 1e-6},
-                    Storage{PhotoFormat::tif, {Transfer::Kind::gamma, 2.2}, 0.5 / 65535 + 1e-6},
-                    Storage{PhotoFormat::png8, {Transfer::Kind::srgb}, 0.5 / 255 + 1e-6},
-                    Storage{PhotoFormat::jpg, {Transfer::Kind::srgb}, 0.03},
-                    Storage{PhotoFormat::exr, {}, 1e-6}),
+    testing::Values(Storage{GeneratorFormat::png16, {}, 0.5 / 65535 + 1e-6},
+                    Storage{GeneratorFormat::tif, {Transfer::Kind::gamma, 2.2}, 0.5 / 65535 + 1e-6},
+                    Storage{GeneratorFormat::png8, {Transfer::Kind::srgb}, 0.5 / 255 + 1e-6},
+                    Storage{GeneratorFormat::jpg, {Transfer::Kind::srgb}, 0.03},
+                    Storage{GeneratorFormat::exr, {}, 1e-6}),
     [](const auto& test) { return std::string(name_of(test.param.format)); });
 
 TEST(WriteStack, KeepsTheTruthBesideThePhotographs) {
@@ -311,7 +311,7 @@ TEST(GeneratorOptions, NamesWhatIsWrong) {
     EXPECT_EQ(error_of([] { require_valid({.min_elevation_deg = 50, .max_elevation_deg = 40}); }),
               "generator.max_elevation_deg = 40 is below min_elevation_deg = 50");
     EXPECT_EQ(
-        error_of([] { require_valid({.transfer = {Transfer::Kind::srgb}, .format = PhotoFormat::exr}); }),
+        error_of([] { require_valid({.transfer = {Transfer::Kind::srgb}, .format = GeneratorFormat::exr}); }),
         "generator.format = exr holds linear light; the transfer curve cannot be srgb");
 }
 
@@ -320,9 +320,9 @@ TEST(GeneratorOptions, KnowsItsChoicesByName) {
         EXPECT_EQ(arrangement_named(name_of(value)), value);
     for (const Reflectance value : {Reflectance::ggx, Reflectance::ward_bounded, Reflectance::lambert})
         EXPECT_EQ(reflectance_named(name_of(value)), value);
-    for (const PhotoFormat value :
-         {PhotoFormat::png16, PhotoFormat::png8, PhotoFormat::jpg, PhotoFormat::exr, PhotoFormat::tif})
-        EXPECT_EQ(photo_format_named(name_of(value)), value);
+    for (const GeneratorFormat value : {GeneratorFormat::png16, GeneratorFormat::png8, GeneratorFormat::jpg,
+                                        GeneratorFormat::exr, GeneratorFormat::tif})
+        EXPECT_EQ(generator_format_named(name_of(value)), value);
     EXPECT_FALSE(reflectance_named("phong"));
 }
 

@@ -172,7 +172,7 @@ TEST(TransferEstimate, NearLightsDoNotContradictWhatFilesState) {
     const TestDir dir;
     const PaintingTruth truth =
         procedural_painting({.seed = 3198, .width = 220, .height = 160, .mm_per_pixel = 0.4, .impasto = 0.3});
-    GeneratorOptions options{.seed = 3198, .lights = 12, .held_out = 0, .format = PhotoFormat::jpg};
+    GeneratorOptions options{.seed = 3198, .lights = 12, .held_out = 0, .format = GeneratorFormat::jpg};
     options.transfer = Transfer{Transfer::Kind::srgb};
     options.distance = 1.5;
     options.gain_min = 0.7, options.gain_max = 1.42;
@@ -193,7 +193,7 @@ TEST(TransferEstimate, IsOpenWhereFourPhotographsHardlyTell) {
         const PaintingTruth truth = procedural_painting({.seed = 3, .width = 160, .height = 120});
         write_stack(
             dir.path(), truth,
-            {.seed = 3, .lights = lights, .held_out = 0, .format = PhotoFormat::jpg, .jpeg_quality = 60});
+            {.seed = 3, .lights = lights, .held_out = 0, .format = GeneratorFormat::jpg, .jpeg_quality = 60});
         const Stack stack = open_stack(dir.path());
         const Survey samples = survey(stack);
         use(stack, samples, estimate_transfer(stack, samples));

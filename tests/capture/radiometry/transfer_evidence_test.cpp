@@ -22,7 +22,7 @@ struct LinearStack {
 
     explicit LinearStack(GeneratorOptions options, PaintingOptions painting = {}) {
         painting.width = 128, painting.height = 96;
-        options.held_out = 0, options.format = PhotoFormat::tif;
+        options.held_out = 0, options.format = GeneratorFormat::tif;
         write_stack(dir.path(), procedural_painting(painting), options);
         stack = open_stack(dir.path());
         seen = survey(stack);

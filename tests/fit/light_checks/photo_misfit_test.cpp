@@ -60,7 +60,7 @@ struct ChangedStack {
         GeneratorOptions all = options;
         all.lights = kMisfitPhotos;
         all.held_out = 0;
-        all.format = PhotoFormat::exr;
+        all.format = GeneratorFormat::exr;
         write_stack(folder.path(), truth, all);
         const Stack stack = open_stack(folder.path(), {.transfer = Transfer{}});
         for (std::size_t i = 0; change && i < stack.photos.size(); ++i) {

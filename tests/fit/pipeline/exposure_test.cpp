@@ -18,7 +18,7 @@ TEST(FitExposure, UsesFloatsBeyondOne) {
     const TestDir folder;
     const PaintingTruth truth = painting(kWidth, kHeight);
     const GeneratorOptions bright{
-        .lights = 16, .held_out = 0, .white_level = 8, .sensor_noise = false, .format = PhotoFormat::exr};
+        .lights = 16, .held_out = 0, .white_level = 8, .sensor_noise = false, .format = GeneratorFormat::exr};
     write_stack(folder.path(), truth, bright);
     const Stack stack = open_stack(folder.path(), {.transfer = Transfer{}});
     long beyond = 0, values = 0;

@@ -75,7 +75,7 @@ TEST(FitPainting, RecoversAGlossyPaintingFromJpegs) {
                     {.lights = 24,
                      .held_out = 4,
                      .transfer = {Transfer::Kind::srgb},
-                     .format = PhotoFormat::jpg,
+                     .format = GeneratorFormat::jpg,
                      .jpeg_quality = 95},
                     2.5,
                     28});

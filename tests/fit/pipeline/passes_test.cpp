@@ -74,7 +74,7 @@ TEST(FitPasses, MetalUnderFewLightsIsRefined) {
                                      .held_out = 6,
                                      .arrangement = Arrangement::spiral,
                                      .transfer = srgb,
-                                     .format = PhotoFormat::jpg};
+                                     .format = GeneratorFormat::jpg};
     write_stack(folder.path(), truth, generator);
     const auto fitted = [&](bool refine) {
         return fit_painting(open_stack(folder.path(), {.transfer = srgb}),

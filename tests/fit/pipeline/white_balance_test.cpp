@@ -32,7 +32,7 @@ struct GeneratedStack {
     TestDir folder;
     PaintingTruth truth = painting(64, 48);
     GeneratedStack() {
-        write_stack(folder.path(), truth, {.lights = 16, .held_out = 4, .format = PhotoFormat::exr});
+        write_stack(folder.path(), truth, {.lights = 16, .held_out = 4, .format = GeneratorFormat::exr});
     }
     Stack open() const { return open_stack(folder.path(), {.transfer = Transfer{}}); }
     Stack held_out() const { return open_stack(folder.path() / "heldout", {.transfer = Transfer{}}); }

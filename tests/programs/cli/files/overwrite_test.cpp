@@ -23,7 +23,7 @@ void expect_not_overwritten(const TinyStack& stack, const std::vector<std::strin
 }
 
 TEST(CliOverwrite, FitDoesNotReplaceItsPhotographs) {
-    const TinyStack stack([](GeneratorOptions& o) { o.format = PhotoFormat::exr; });
+    const TinyStack stack([](GeneratorOptions& o) { o.format = GeneratorFormat::exr; });
     const std::string folder = stack.path();
     write_map(stack.out("mask.exr"), Image<float>(32, 32, 1));
     fs::copy_file(stack.photo(1), folder + "/spare.exr");  // a photograph that is not listed
@@ -74,7 +74,7 @@ TEST(CliOverwrite, RelightDoesNotReplaceThePhotographsBesideTheLightsFile) {
     // A second run replaces what the first one made, also beside photographs of another format.
     for (int run = 0; run < 2; ++run)
         EXPECT_TRUE(ended(tangipaint(relight(stack.lights(), stack.out("relit"))), 0));
-    const TinyStack jpegs([](GeneratorOptions& o) { o.format = PhotoFormat::jpg; });
+    const TinyStack jpegs([](GeneratorOptions& o) { o.format = GeneratorFormat::jpg; });
     for (int run = 0; run < 2; ++run)
         EXPECT_TRUE(ended(tangipaint(relight(jpegs.lights(), jpegs.path())), 0));
     EXPECT_TRUE(fs::exists(jpegs.photo(0)));

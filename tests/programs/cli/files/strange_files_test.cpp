@@ -60,7 +60,7 @@ TEST(CliStrangeFiles, APhotographThatClaimsToBeLargeIsLeftOutAtOnce) {
 
 // An attribute of 1.9 GB in a file of some kilobytes.
 TEST(CliStrangeFiles, AnExrThatAsksForGigabytesGetsNone) {
-    const TinyStack stack([](GeneratorOptions& o) { o.format = PhotoFormat::exr; });
+    const TinyStack stack([](GeneratorOptions& o) { o.format = GeneratorFormat::exr; });
     using namespace std::string_literals;
     for (const fs::path& file : {fs::path(stack.photo(2)), fs::path(stack.truth())}) {
         std::string bytes = bytes_of(file);

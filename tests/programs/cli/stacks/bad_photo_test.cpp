@@ -48,7 +48,7 @@ TEST(CliBadPhoto, HasAnotherDepth) {
 }
 
 TEST(CliBadPhoto, IsATruncatedJpeg) {
-    const TinyStack stack([](GeneratorOptions& o) { o.format = PhotoFormat::jpg; });
+    const TinyStack stack([](GeneratorOptions& o) { o.format = GeneratorFormat::jpg; });
     // Linear light in JPEG files is unusual enough for few lights to leave it in doubt.
     const std::vector<std::string> as_stored = {"--transfer", "linear"};
     const std::string whole = bytes_of(stack.photo(2));
@@ -63,7 +63,8 @@ TEST(CliBadPhoto, IsATruncatedJpeg) {
 }
 
 TEST(CliBadPhoto, IsTruncatedInAnyFormat) {
-    for (const PhotoFormat format : {PhotoFormat::png16, PhotoFormat::tif, PhotoFormat::exr}) {
+    for (const GeneratorFormat format :
+         {GeneratorFormat::png16, GeneratorFormat::tif, GeneratorFormat::exr}) {
         const TinyStack stack([&](GeneratorOptions& o) { o.format = format; });
         const std::string whole = bytes_of(stack.photo(2));
         write_bytes(stack.photo(2), whole.substr(0, whole.size() * 2 / 3));

@@ -15,7 +15,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
                 kInfinite = std::numeric_limits<float>::infinity();
 
 void as_exr(GeneratorOptions& o) {
-    o.format = PhotoFormat::exr;
+    o.format = GeneratorFormat::exr;
     o.lights = 16;
 }
 
@@ -159,7 +159,7 @@ TEST(CliStrangePhoto, IsOfSixBands) {
 }
 
 TEST(CliStrangePhoto, IsAJpegWithAFilmBehindIt) {
-    const TinyStack stack([](GeneratorOptions& o) { o.format = PhotoFormat::jpg; });
+    const TinyStack stack([](GeneratorOptions& o) { o.format = GeneratorFormat::jpg; });
     const Surface clean = fitted(stack, "clean.exr");
     for (int i = 0; i < 12; ++i)
         write_bytes(stack.photo(i), bytes_of(stack.photo(i)) +
