@@ -41,6 +41,7 @@ TEST(Layers, OfTheRoomsAreOne) {
     EXPECT_THAT(include_violations(tree), IsEmpty());
     EXPECT_THAT(link_violations(tree), IsEmpty());
     EXPECT_THAT(room_violations(tree), IsEmpty());
+    EXPECT_THAT(type_violations(tree), IsEmpty());
 }
 
 // Dear ImGui's own fields drop a decimal comma: "120,5" would be 1205. Numbers are typed in number_field.h.
@@ -156,6 +157,18 @@ TEST(Layers, OfRoomsThatAreLeftOutOrTooLargeAreNoticed) {
     }
     tree["fit/pixel/CMakeLists.txt"] = list + ")";
     EXPECT_THAT(room_violations(tree), ElementsAre("fit/pixel has 21 pairs of header and source"));
+}
+
+TEST(Layers, OfTypesThatShareANameAreNoticed) {
+    Tree tree = house();
+    tree["fit/pixel/d.h"] +=
+        "namespace tangi {\nstruct Kind {\n};\nstruct Other;\n}\nnamespace tangi::d {\nstruct Mine "
+        "{\n};\n}\n";
+    tree["paint/canvas/e.h"] += "namespace tangi {\nclass Other final : A {\n};\nstruct Mine {\n};\n}\n";
+    EXPECT_THAT(type_violations(tree), IsEmpty());
+    tree["surface/image/b.h"] += "namespace tangi {\n\nenum class Kind { one };\n}\n";
+    EXPECT_THAT(type_violations(tree),
+                ElementsAre("surface/image/b.h: tangi::Kind is in fit/pixel/d.h, too"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -274,6 +275,27 @@ inline Names room_violations(const Tree& tree) {
         if (stems.size() > kMostPairs)
             violations.push_back(folder + " has " + std::to_string(stems.size()) +
                                  " pairs of header and source");
+    return violations;
+}
+
+// One line for each type that two headers define under one name: no compiler sees both, and the linker takes
+// functions of either for those of the other.
+inline Names type_violations(const Tree& tree) {
+    static const std::regex begins(
+        R"((?:^|\n)(namespace ([\w:]+) \{|(?:struct|class|enum class) (\w+)(?: final)?(?: :[^;\n]*)? \{))");
+    std::map<std::string, std::string> defined;  // type -> header
+    Names violations;
+    for (const auto& [path, text] : tree) {
+        if (!path.ends_with(".h")) continue;
+        std::string within;
+        for (std::sregex_iterator at(text.begin(), text.end(), begins), end; at != end; ++at) {
+            if ((*at)[2].matched) within = (*at)[2];
+            if (!(*at)[3].matched) continue;
+            const auto [first, is_new] = defined.emplace(within + "::" + (*at)[3].str(), path);
+            if (!is_new)
+                violations.push_back(path + ": " + first->first + " is in " + first->second + ", too");
+        }
+    }
     return violations;
 }
 
