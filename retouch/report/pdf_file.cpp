@@ -199,8 +199,10 @@ void Pdf::picture(int width_px, int height_px, const std::string& jpeg, double x
 std::string Pdf::finish() {
     cairo_surface_finish(target_.get());
     const cairo_status_t status = cairo_surface_status(target_.get());
+    const bool no_memory =
+        status == CAIRO_STATUS_NO_MEMORY || (status == CAIRO_STATUS_SUCCESS && lacks_objects(bytes_));
+    if (no_memory) fail("PDF: {}", kNoMemory);
     if (status != CAIRO_STATUS_SUCCESS) fail("PDF: {}", cairo_status_to_string(status));
-    if (lacks_objects(bytes_)) fail("PDF: {}", kNoMemory);
     return std::move(bytes_);
 }
 

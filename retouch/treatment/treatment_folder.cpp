@@ -160,6 +160,17 @@ void clear_pending(const fs::path& pending) {
              pending.string(), failed.message());
 }
 
+// Folders for files of a step are made before its line is written; where it was not, they are as empty.
+void remove_made_ahead(const fs::path& folder) {
+    std::vector<fs::path> folders;
+    std::error_code failed;
+    for (fs::recursive_directory_iterator at(folder / kPending, failed), end; !failed && at != end;
+         at.increment(failed))
+        if (at->is_directory(failed)) folders.push_back(at->path().lexically_relative(folder / kPending));
+    std::sort(folders.rbegin(), folders.rend());                             // inner ones first
+    for (const fs::path& made : folders) fs::remove(folder / made, failed);  // not where it has files
+}
+
 // A log that is edited is one still.
 bool is_treatment(const fs::path& folder) {
     std::ifstream log(folder / kTreatmentLog, std::ios::binary);
@@ -217,7 +228,10 @@ void settle_pending(const fs::path& folder) {
     const TreatmentLog log = TreatmentLog::open(folder / kTreatmentLog);
     require_form(log);
     const LogEntry* line = pending_line(pending, log);
-    if (!line) return clear_pending(pending);
+    if (!line) {
+        remove_made_ahead(folder);
+        return clear_pending(pending);
+    }
     log.complete_head(held);
     move_into_place(folder, *line, files_of_step(pending));
 }

@@ -18,8 +18,7 @@ namespace tangi {
 
 namespace {
 
-constexpr double kMostBent = 0.1;  // [1/pixel] that the false colours of curvature begin with
-constexpr double kLook_s = 0.01;   // between two looks whether it is there
+constexpr double kLook_s = 0.01;  // between two looks whether it is there
 
 // No shadows, until the painter has made a map of them: the shader is the same.
 HorizonMap no_horizon() {
@@ -153,7 +152,7 @@ void WindowApp::know_painting(const std::filesystem::path& file) {
     state_.from_photographs = !surface.photography.photos.empty();
     const auto [low, high] =
         std::minmax_element(surface.height_mm.pixels().begin(), surface.height_mm.pixels().end());
-    state_.most_curvature = static_cast<float>(kMostBent / surface.mm_per_pixel);
+    state_.most_curvature = first_most_curvature(surface.mm_per_pixel);
     state_.lowest_mm = *low;
     state_.highest_mm = *high;
 }

@@ -36,6 +36,9 @@ struct Scene {
 
 inline constexpr std::size_t kMostLights = 8;
 
+// [1/mm] What the false colours of curvature end with at first: a tenth a pixel.
+inline float first_most_curvature(double mm_per_pixel) { return static_cast<float>(0.1 / mm_per_pixel); }
+
 // Of the scene's view mode: what its scale begins and ends with.
 ScaleEnds scale_ends(const Scene& scene);
 

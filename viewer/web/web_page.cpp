@@ -14,6 +14,7 @@
 #include "surface/file/stale_temporaries.h"
 #include "surface/image_file/image_io.h"
 #include "viewer/render/painting_shader.h"
+#include "viewer/render/scene.h"
 #include "viewer/render/vertex_shader.h"
 #include "viewer/render/view_mode.h"
 #include "viewer/web/web_page_html.h"
@@ -110,9 +111,19 @@ json fields(const TexelRange& range) {
     return all;
 }
 
-json looks() {
+// View modes in the order of their numbers: names, and what the scale of each begins and ends with.
+json looks(const Surface& s) {
+    const auto [low, high] = std::minmax_element(s.height_mm.pixels().begin(), s.height_mm.pixels().end());
+    Scene scene;
+    scene.lowest_mm = *low;
+    scene.highest_mm = *high;
+    scene.most_curvature = first_most_curvature(s.mm_per_pixel);
     json all = json::array();
-    for (const ViewModeTraits& mode : view_modes()) all.push_back(mode.name);
+    for (const ViewModeTraits& mode : view_modes()) {
+        scene.mode = mode.mode;
+        const ScaleEnds ends = scale_ends(scene);
+        all.push_back({{"name", mode.name}, {"ends", {ends.lowest, ends.highest}}});
+    }
     return all;
 }
 
@@ -132,7 +143,6 @@ json origin(const Surface& surface) {
 json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizon, const WebWords& words,
              const WebOptions& options) {
     const TexelRange& range = tiles.range();
-    const auto [low, high] = std::minmax_element(s.height_mm.pixels().begin(), s.height_mm.pixels().end());
     return {{"title", words.title},
             {"credit", words.credit},
             {"origin", origin(s)},
@@ -140,7 +150,6 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
             {"height", s.height()},
             {"mm_per_pixel", s.mm_per_pixel},
             {"scale_known", s.scale_known},
-            {"heights_mm", {*low, *high}},
             {"range",
              {range.diffuse_max, range.specular_max, range.height_min_mm,
               range.height_max_mm - range.height_min_mm}},
@@ -150,7 +159,7 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
             {"anisotropic_specular", range.anisotropic_specular},
             {"levels", web_levels(s.width(), s.height())},
             {"fields", fields(range)},
-            {"looks", looks()},
+            {"looks", looks(s)},
             {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
             {"light_deg", {options.light_azimuth_deg, options.light_elevation_deg}},
             {"vertex_shader", kPaintingVertexShader},

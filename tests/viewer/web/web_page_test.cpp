@@ -135,6 +135,21 @@ TEST_F(WebPageInABrowser, FollowsLinksAndShowsWhatCanBeShown) {
     EXPECT_EQ(browser_->errors, "");
 }
 
+// The scale of each mode is that with which the window opens the painting.
+TEST(WebPage, FalseColoursBeginAndEndAsInTheWindow) {
+    const TestDir dir;
+    Surface s = painted_surface(kWidth, kHeight);
+    s.mm_per_pixel = 0.2;
+    for (float& h : s.height_mm.pixels()) h = std::clamp(h, -0.25f, 0.5f);
+    s.height_mm(0, 0) = -0.25f;
+    s.height_mm(1, 0) = 0.5f;
+    write_web_page(dir / "page.html", s, {.title = "Ridges"});
+    const std::string page = read_text_file(dir / "page.html");
+    EXPECT_NE(page.find(R"({"ends":[-0.25,0.5],"name":"Height"})"), std::string::npos);
+    EXPECT_NE(page.find(R"({"ends":[-0.5,0.5],"name":"Curvature"})"), std::string::npos);
+    EXPECT_NE(page.find(R"({"ends":[0.0,1.0],"name":"Confidence"})"), std::string::npos);
+}
+
 // Every control can be reached, also on a phone.
 TEST_F(WebPageInABrowser, HasAllControlsOnAnyScreen) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});

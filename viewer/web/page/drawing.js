@@ -102,7 +102,7 @@ class Drawing {
     gl.uniformMatrix3fv(at('u_exposure'), false, [exposure, 0, 0, 0, exposure, 0, 0, 0, exposure]);
     gl.uniform1f(at('u_shoulder'), scene.shoulder);
     gl.uniform3fv(at('u_background'), [0.02, 0.02, 0.02]);
-    gl.uniform4fv(at('u_look'), [scene.strength, scene.sharpness, ...data.heights_mm]);
+    gl.uniform4fv(at('u_look'), [scene.strength, scene.sharpness, ...data.looks[scene.look].ends]);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 }

@@ -44,7 +44,7 @@ function link() {
 }
 
 function scene(placement) {
-  const look = data.looks[state.look];
+  const look = data.looks[state.look].name;
   return {light: placement.inSurface(directionOf(state.light)), look: state.look, shadows: state.shadows, ambient: state.ambient,
     exposure: state.exposure, shoulder: state.shoulder, strength: look === 'Specular enhancement' ? 0.7 : 2.1,
     sharpness: look === 'Unsharp normals' ? 3 : 40};
@@ -55,7 +55,7 @@ function draw(moving) {
   const width = Math.max(1, Math.round(screen.width * part)), height = Math.max(1, Math.round(screen.height * part));
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
   const {tiles} = drawing, level = tiles.affordable(placement.level(part), seen), views = [{level, seen}];
-  if (data.looks[state.look] === 'Unsharp normals') views.push({level: Math.min(level + 3, data.levels - 1), seen});
+  if (data.looks[state.look].name === 'Unsharp normals') views.push({level: Math.min(level + 3, data.levels - 1), seen});
   const loupe = loupeShot(placement, part);
   if (loupe) views.push({level: loupe.shot.level, seen: loupe.seen});
   tiles.want(views);
@@ -188,7 +188,7 @@ function setUp() {
     button.dataset.tool = name;
     at('tools').append(button);
   }
-  data.looks.forEach((name, value) => at('look').append(new Option(name, value)));
+  data.looks.forEach(({name}, value) => at('look').append(new Option(name, value)));
   at('look').onchange = () => { state.look = +at('look').value; ask(); };
   at('exposure').oninput = () => { state.exposure = +at('exposure').value; ask(); };
   for (const key of ['shadows', 'loupe', 'sweeping']) at(key).onclick = () => { state[key] = !state[key]; ask(); };
