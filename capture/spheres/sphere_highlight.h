@@ -32,7 +32,7 @@ std::string reason_of(const Highlight& highlight);
 
 // One highlight for each photograph: the spot with the brightest pixel on the sphere, of what does not stay
 // while the light moves; of clipped spots the one with the brightest lobe, or, where no lobe can be fitted,
-// with the brightest glow around it: what lens and sensor scatter, and the mirror's own second lobe, grow
+// with the brightest glow around it: what lens and sensor scatter, and the mirror's own haze, grow
 // with the light. Its place is the centroid above half its brightness, where it is clipped that of the
 // clipped area with its soft border.
 std::vector<Highlight> find_highlights(const SphereCrops& crops, const SphereImage& sphere,

@@ -10,11 +10,11 @@ namespace {
 std::vector<std::string> lost_to_openlime(const std::string& painting, const Surface& surface) {
     std::vector<std::string> lost;
     if (!surface.lobe_axes.empty())
-        lost.push_back(fmt::format(
-            "{}: its gloss is anisotropic in one direction in places (brushed metal, a weave), which "
-            "OpenLIME's maps cannot hold: they are written as round ones of the same mean "
-            "roughness; --to maps keeps them",
-            painting));
+        lost.push_back(
+            fmt::format("{}: its gloss is anisotropic in places (brushed metal, a weave), which "
+                        "OpenLIME's maps cannot hold: they are written as round ones of the same mean "
+                        "roughness; --to maps keeps them",
+                        painting));
     if (surface.reflectance_model.second_lobe_weight > 0)
         lost.push_back(fmt::format(
             "{}: a part of its gloss, {:.2g}, is a second lobe of twice the roughness, which OpenLIME's maps "

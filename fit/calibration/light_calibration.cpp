@@ -10,7 +10,7 @@ namespace tangi {
 
 namespace {
 
-constexpr RejectedPhotos kHalfOfThem = {3, 6};
+constexpr LeftOutPhotos kHalfOfThem = {3, 6};
 // Fewer photographs say nothing of a surface when one of them is left out.
 constexpr int kFewestForRig = 5;
 // Fewer don't tell what each light has of its own beside its strength (of 7 near lights, uneven beams made
@@ -92,7 +92,7 @@ private:
     const bool few_, gains_;
     const bool measured_;  // directions have standard errors
     const bool refines_;   // directions, whatever validation photographs say
-    const RejectedPhotos out_;
+    const LeftOutPhotos out_;
     const LightSample sample_;
     std::mutex mutex_;
     int steps_done_ = 0;
@@ -111,7 +111,7 @@ ModelSearch::ModelSearch(const SurveyedStack& surveyed, const Lighting& given, c
       gains_(photos() >= options.fewest_photos),
       measured_(!given.direction_sigma_deg.empty()),
       refines_(!few_ && (options.refine_directions || measured_)),
-      out_(few_ ? RejectedPhotos{photos(), photos()} : kHalfOfThem),
+      out_(few_ ? LeftOutPhotos{photos(), photos()} : kHalfOfThem),
       sample_(surveyed, ward, options.samples) {}
 
 void ModelSearch::attempt(const std::vector<LightingModel>& models,

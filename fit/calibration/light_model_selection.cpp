@@ -156,7 +156,7 @@ struct FoldResult {
 // to start, so that the trial's own solution is a few steps away. Lights are located with the gains of
 // `model`, and with directions and beams if it has own ones.
 FoldResult validation(const LightSample& sample, const Lighting& given, const LightingModel& model,
-                      const std::optional<LightBundleAdjustment>& all, const RejectedPhotos& out, int trial) {
+                      const std::optional<LightBundleAdjustment>& all, const LeftOutPhotos& out, int trial) {
     std::vector<int> used, left;
     for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
         (out.has(i, trial) ? left : used).push_back(i);
@@ -226,7 +226,7 @@ void add_errors(const LightBundleAdjustment& solution, double width_mm, LightCal
 }  // namespace
 
 std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
-                              const std::vector<LightingModel>& models, const RejectedPhotos& out,
+                              const std::vector<LightingModel>& models, const LeftOutPhotos& out,
                               const std::function<void()>& step_done,
                               const std::optional<LightBundleAdjustment>& from) {
     const int count = static_cast<int>(models.size());

@@ -1,5 +1,5 @@
 // light_model_selection.h: one way to explain a stack's photographs by its lights, solved with all of them,
-// and how it predicts those that are rejected: what light calibration chooses by.
+// and how it predicts those that are left out: what light calibration chooses by.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 namespace tangi {
 
 // Each model is tried with some photographs left out at a time.
-struct RejectedPhotos {
+struct LeftOutPhotos {
     int trials;
     int step;  // in each trial every photograph of so many
 
@@ -29,7 +29,7 @@ struct TriedModel {
 // All photographs of a stack, for which lights are given. `from`: a solution with even beams to start from,
 // where there is one. `step_done` is called 1 + out.trials times a model, from any thread.
 std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
-                              const std::vector<LightingModel>& models, const RejectedPhotos& out,
+                              const std::vector<LightingModel>& models, const LeftOutPhotos& out,
                               const std::function<void()>& step_done,
                               const std::optional<LightBundleAdjustment>& from = {});
 
@@ -54,7 +54,7 @@ bool explains_better(const LightCalibration::Trial& a, const LightCalibration::T
                      double loss_db, const PixelWorth& of_pixels = {});
 
 // Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
-// Where listed directions are far off, so is that of the light that was rejected: predictions are then poor
+// Where listed directions are far off, so is that of the light that was left out: predictions are then poor
 // with any surface, and only a sure loss speaks against a better one.
 bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double min_gain_db);
 

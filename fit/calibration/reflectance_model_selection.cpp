@@ -18,7 +18,7 @@ constexpr std::size_t kFewestTypical = 100;  // [pixels] with a lobe
 constexpr int kFolds = 4;                    // trials, each with every fourth photograph left out
 constexpr std::array kHazes = {0.3, 0.6, 0.85};
 constexpr std::array kRoughnesses = {0.15, 0.3, 0.5, 0.8};
-// [sigma] Most varnish and oil paint has second lobe, all else is rarer.
+// [sigma] Most varnish and oil paint has a second lobe, all else is rarer.
 constexpr double kSureOfSecondLobe = 1, kSureOfRarer = 2;
 // A second lobe must predict most of the pixels better: it also stands in for lobes that are anisotropic
 // (half brushed metal, half paint without second lobe: 0.3, 0.06 where single pixels tell how they are

@@ -59,8 +59,9 @@ ReflectanceModelSelection::Colours choose_specular_colours(const LightSample& sa
 void choose_stretches(const LightSample& sample, const Lighting& lighting, bool second_lobe_is_open,
                       ReflectanceModelSelection& choice);
 
-// {"diffuse_roughness", "second lobe", "cv_psnr_db": [{"diffuse_roughness", "second lobe", "psnr_db"}, …],
-//  "coloured_specular": {"chosen", "part", "white_db", "coloured_db"},
+// {"diffuse_roughness", "second_lobe_weight", "cv_psnr_db": [{"diffuse_roughness", "second_lobe_weight",
+// "psnr_db"}, …],
+//  "specular_colour": {"chosen", "part", "white_db", "coloured_db"},
 //  "anisotropic_specular": {"chosen", "part", "isotropic_db", "anisotropic_db"}}
 nlohmann::json to_json(const ReflectanceModelSelection& choice);
 

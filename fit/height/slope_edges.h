@@ -60,7 +60,7 @@ inline float cliff_factor(float r2) {
 class SlopeEdges {
 public:
     Image<HalfError> right, down;  // weights relative to the best edge's, as HeightMultigrid takes them
-    float offset_part = kOffset;   // of offset_mm(): kOffset or kUnmixedOffset
+    float offset_part = kOffset;   // of offset_mm(): kOffset or kSteepenedOffset
 
     // `unmeasured_weight`: of pixels of confidence 0, relative to the best.
     SlopeEdges(const Image<Vec3>& normal, const Image<float>& confidence, double mm_per_pixel,

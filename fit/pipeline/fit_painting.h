@@ -71,12 +71,10 @@ struct FitOptions {
                         "1: lobes may have colours, as those of metal; 0: all are white (else the "
                         "photographs decide)"},
               self.coloured_specular);
-        visit(
-            FieldInfo{
-                "anisotropic_specular", 0, 1, "1",
-                "1: lobes may be anisotropic in one direction, as those of brushed metal; 0: none is (else "
-                "the photographs decide)"},
-            self.anisotropic_specular);
+        visit(FieldInfo{"anisotropic_specular", 0, 1, "1",
+                        "1: lobes may be anisotropic, as those of brushed metal; 0: none is (else "
+                        "the photographs decide)"},
+              self.anisotropic_specular);
         visit(
             FieldInfo{"light_radius_deg", 0, 45, "deg",
                       "angular radius of the lights: softness of cast shadows (else the photographs decide)"},

@@ -55,9 +55,9 @@ HWY_INLINE V weigh(const WardBatch& b, const WardFitOptions& options, const Vect
             const M some = hn::And(hn::Ne(sigma, zero), hn::Lt(hn::Abs(given), all(1e30f)));
             const V value = keep(some, given);
             const V matt = hn::Mul(hn::Mul(diffuse[c], cosine), irradiance);
-            const V validation = hn::Mul(model_error, hn::Max(matt, value));
+            const V model = hn::Mul(model_error, hn::Max(matt, value));
             const V shadow = hn::Mul(hidden, matt);
-            const V variance = fma(sigma, sigma, fma(validation, validation, hn::Mul(shadow, shadow)));
+            const V variance = fma(sigma, sigma, fma(model, model, hn::Mul(shadow, shadow)));
             const V root = hn::Mul(inverse_scale, inverse_root(choose(some, variance, all(1))));
             const V weight = keep(some, hn::CopySign(root, sigma));
             store(hn::Mul(weight, irradiance), slots.weight[index], at);

@@ -1,4 +1,4 @@
-// anisotropy.h: lobes that are anisotropic in one direction: brushed or burnished metal, varnish in the
+// anisotropy.h: anisotropic lobes: brushed or burnished metal, varnish in the
 // direction of a canvas' threads (Ward 1992, eq. 5, in any normalisation of ward.h).
 //
 // The tangent plane has the axes e1, e2 that x and y become when z is turned into the normal the shortest

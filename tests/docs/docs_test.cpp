@@ -151,7 +151,7 @@ TEST(Docs, AreNotBlamedForWhatIsNoProse) {
         EXPECT_THAT(long_prose("a", text), IsEmpty()) << text.substr(0, 20);
 }
 
-// The rules about flags, on a program of two commands; those of ours are in cli_docs_test.cpp.
+// The rules about flags, on a program of two commands; those of ours are in tests/programs/cli/docs_test.cpp.
 const Flags kProgram = {{"fit", {"--out", "--residual"}}, {"relight", {"--out", "--light"}}};
 
 TEST(Docs, WithFlagsThatNoCommandHasAreNoticed) {

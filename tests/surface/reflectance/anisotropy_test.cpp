@@ -70,7 +70,7 @@ TEST(Anisotropy, IsReciprocal) {
 }
 
 // The part of the light from v that the lobe sends anywhere: over half vectors that have the density of its
-// own Gaussian, as surface_ward_test.cpp does for isotropic ones.
+// own Gaussian, as ward_test.cpp does for isotropic ones.
 double albedo(const Brushed& brushed, const Vec3& n, const Vec3& v, int count = 160) {
     const LobeAxes axes = axes_of(brushed.stretch, brushed.alpha);
     const float across = axes.roughness_v, along = brushed.alpha * brushed.alpha / across;

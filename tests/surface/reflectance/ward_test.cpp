@@ -24,20 +24,20 @@ WardAngles<double> angles_between(const DVec3& l, const DVec3& v) {
 }
 
 // Part of the light from `theta_v` that the lobe sends anywhere: the integral of lobe cos(theta_l) over the
-// hemisphere, by the midpoint rule in the half vector's slope, tan(delta) = alpha sqrt(-ln u), where the lobe
-// is smooth for every alpha. The only kink is the horizon of l: N points per axis leave an error of order
-// 1/N.
+// hemisphere, by the midpoint rule in the half vector's slope, tan(delta) = alpha sqrt(1 / u - 1), which also
+// covers lobes of longer tails (Trowbridge & Reitz 1975, whose own samples these are). The only kink is the
+// horizon of l: N points per axis leave an error of order 1/N.
 double albedo(WardModel model, double theta_v, double alpha, int n = 400) {
     const DVec3 v = direction(theta_v, 0);
     double sum = 0;
     for (int i = 0; i < n; ++i) {
-        const double u = (i + 0.5) / n, tangent = alpha * std::sqrt(-std::log(u));
+        const double u = (i + 0.5) / n, tangent = alpha * std::sqrt(1 / u - 1);
         for (int j = 0; j < n; ++j) {
             const DVec3 h = direction(std::atan(tangent), kPi * (j + 0.5) / n);  // half the circle: symmetric
             const double v_h = glm::dot(v, h);
             const DVec3 l = 2 * v_h * h - v;
             if (v_h <= 0 || l.z <= 0) continue;
-            const double density = u / (kPi * alpha * alpha * h.z * h.z * h.z);  // of h per solid angle
+            const double density = u * u / (kPi * alpha * alpha * h.z * h.z * h.z);  // of h per solid angle
             sum += ward_lobe(model, angles_between(l, v), alpha) * l.z * 4 * v_h / density;
         }
     }
