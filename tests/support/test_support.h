@@ -218,6 +218,6 @@ inline std::optional<std::filesystem::path> data_folder(const std::string& name)
 #define TP_DATA(variable, name)                                                                       \
     const auto variable##_found = ::tangi::data_folder(name);                                         \
     if (!variable##_found) GTEST_SKIP() << "skipped: the data folder '" << (name) << "' is not here"; \
-    const std::filesystem::path variable = *variable##_found
+    const std::filesystem::path& variable = *variable##_found
 
 }  // namespace tangi
