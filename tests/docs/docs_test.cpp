@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/docs/docs_pages.h"
+#include "tests/docs/named_tests.h"
 
 namespace tangi::docs {
 namespace {
