@@ -41,8 +41,7 @@ if(TP_SANITIZE)
     target_compile_options(tangi_common INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer
                                                   -fno-sanitize-recover=undefined)
     # As much to compile as all others together, and what they would tell the address sanitizer tells as well.
-    target_compile_options(tangi_common INTERFACE
-                           -fno-sanitize=null,alignment,object-size,vptr,pointer-overflow,nonnull-attribute,returns-nonnull-attribute)
+    target_compile_options(tangi_common INTERFACE -fno-sanitize=null,alignment,object-size,vptr)
     target_link_options(tangi_common INTERFACE -fsanitize=address,undefined)
 endif()
 

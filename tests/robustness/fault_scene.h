@@ -308,7 +308,7 @@ private:
         if (fault.reason == 0) {
             EXPECT_EQ(ended.code, 128 + SIGKILL) << ended.err;
         } else if (is_done(ended)) {
-            expect_after(scene);
+            EXPECT_EQ(names_that_differ(visible(root()), after_), Words());
         } else {
             expect_told(ended, fault);
         }
