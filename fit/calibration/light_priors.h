@@ -12,17 +12,18 @@
 #include <vector>
 
 #include "fit/calibration/light_residual.h"
+#include "fit/pixel/ward_residual.h"
 
 namespace tangi {
 
 constexpr int kJointTrend = 6;  // of ln gains: 1, x, y, x^2, x y, y^2 of the direction
 
 struct LobePrior {
-    static constexpr double kLnAlpha = -1.6, kLnAlphaSigma = 0.7, kSpecularSigma = 0.2;  // as WardPrior
+    static constexpr WardPrior kPrior{};
     template <class T>
     bool operator()(const T* pixel, T* residual) const {
-        residual[0] = (pixel[2] - kLnAlpha) / kLnAlphaSigma;
-        residual[1] = pixel[3] / kSpecularSigma;
+        residual[0] = (pixel[2] - kPrior.ln_alpha) / kPrior.ln_alpha_sigma;
+        residual[1] = pixel[3] / kPrior.specular_sigma;
         return true;
     }
 };

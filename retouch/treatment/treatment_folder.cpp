@@ -128,9 +128,9 @@ std::vector<fs::path> files_of_step(const fs::path& pending) {
 // `files`: files_of_step().
 void move_into_place(const fs::path& folder, const LogEntry& entry, const std::vector<fs::path>& files) {
     const fs::path pending = folder / kPending;
-    const auto unfinished = [&](const fs::path& file, const std::string& why) {
-        fail("{}: cannot be put in its place: {}; the step is in the log, and the next command finishes it",
-             file.string(), why);
+    const auto unfinished = [&](const fs::path& file, const std::string& why, const char* what) {
+        fail("{}: cannot be {}: {}; the step is in the log, and the next command finishes it", file.string(),
+             what, why);
     };
     std::set<fs::path> changed = {folder};
     for (const fs::path& file : files) {
@@ -138,17 +138,18 @@ void move_into_place(const fs::path& folder, const LogEntry& entry, const std::v
         std::error_code failed;
         fs::create_directories(place.parent_path(), failed);
         if (!failed) fs::rename(pending / file, place, failed);
-        if (failed) unfinished(place, failed.message());
+        if (failed) unfinished(place, failed.message(), "put in its place");
         changed.insert(place.parent_path());
     }
     for (const json& name : entry.content.value("withdrawn", json::array())) {
         std::error_code failed;
         fs::remove(folder / name.get<std::string>(), failed);
-        if (failed) unfinished(folder / name.get<std::string>(), failed.message());
+        if (failed) unfinished(folder / name.get<std::string>(), failed.message(), "removed");
     }
     for (const fs::path& names : changed) sync_folder(names, names);
-    std::error_code left;  // nothing but what says which step this was
+    std::error_code left;
     fs::remove_all(pending, left);
+    if (left) unfinished(pending, left.message(), "removed");
 }
 
 // What another step left would be taken for this one's.

@@ -29,9 +29,9 @@ struct Use {
     std::function<Words(const std::string& file)> command;
 };
 
-class DocumentController {
+class CommandsOfEachKind {
 public:
-    DocumentController() {
+    CommandsOfEachKind() {
         write_bytes(out("palette.json"), kinds_.at("palette.json").whole);
         write_bytes(out("whole.exr"), kinds_.at("a.exr").whole);
     }
@@ -121,7 +121,7 @@ double number_given(const char* variable, double otherwise) {
 }
 
 TEST(DamagedFiles, MakeTheProgramNeitherCrashNorHangNorSpeakNonsense) {
-    const DocumentController controller;
+    const CommandsOfEachKind controller;
     const double seconds = number_given("TP_RANDOM_S", 25);
     const auto seed = static_cast<std::uint64_t>(number_given("TP_RANDOM_SEED", 1));
     const char* only = std::getenv("TP_RANDOM_FILE");

@@ -37,7 +37,7 @@ struct MapScale {
     };
     Curve curve = Curve::none;
     Ends ends = Ends::fixed;
-    ScaleEnds fixed = {};
+    ScaleEnds fixed = {};           // in the unit of what is shown
     const char* lowest_means = "";  // words beside the numbers at the ends
     const char* highest_means = "";
 };
