@@ -46,6 +46,15 @@ std::vector<std::string> names_of_exporters() {
     return names;
 }
 
+std::string help_of_out() {
+    std::string extensions;
+    for (const Exporter& exporter : exporters())
+        if (*exporter.extension) extensions += fmt::format("{}, ", exporter.extension);
+    return fmt::format(
+        "file to write ({}a picture for a snapshot), or folder for maps or a page of several files",
+        extensions);
+}
+
 // "ora (OpenRaster, for Krita), ptm, …"
 std::string help_of_exporters() {
     std::string help;
@@ -82,11 +91,7 @@ Command export_command() {
             auto a = std::make_shared<ExportArguments>();
             flags.option("PAINTING", a->painting, "painting file (.exr)").required();
             flags.option("--to", a->to, help_of_exporters()).required().check(one_of(names_of_exporters()));
-            flags
-                .option("--out", a->out,
-                        "file to write (.ptm, .rti, .ora; .html for a page of one file; a picture for a "
-                        "snapshot), or folder for maps or a page")
-                .required();
+            flags.option("--out", a->out, help_of_out()).required();
             flags.option(
                 "--photos", a->photos,
                 "ptm, rti: fit the photographs in this folder instead of the painting relit; linear ones "
