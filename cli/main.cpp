@@ -102,7 +102,7 @@ int run(const Command& command, std::span<char*> words, const std::function<nloh
         result["command"] = name;
         result["seconds"] = seconds.count();
         result["peak_memory_mb"] = peak_memory_mb();
-        write_stdout(result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        write_stdout(json_lines(result));
         const nlohmann::json poor = result.value("poor", nlohmann::json::array());
         for (const auto& reason : poor) warn("poor result: " + reason.get<std::string>());
         if (command.in_words && stdout_is_terminal())

@@ -6,6 +6,7 @@
 
 #include "capture/formats/lights_file.h"
 #include "datasets/ggx.h"
+#include "surface/base/json_text.h"
 #include "surface/base/noise.h"
 #include "surface/base/parallel.h"
 #include "surface/file/atomic_file.h"
@@ -208,19 +209,19 @@ void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photo
         if (std::any_of(mask->pixels().begin(), mask->pixels().end(), [](unsigned char v) { return v != 0; }))
             write_mask(folder / fmt::format("{}.png", name), *mask);
     write_mask(folder / "valid.png", truth.valid);
-    write_text_file(folder / "lights.json", to_json(photography).dump(1) + "\n");
+    write_text_file(folder / "lights.json", json_lines(to_json(photography), 1));
     const nlohmann::json meta = {{"width", truth.width()},
                                  {"height", truth.height()},
                                  {"mm_per_pixel", truth.mm_per_pixel},
                                  {"generator", to_json(options)}};
-    write_text_file(folder / "meta.json", meta.dump(1) + "\n");
+    write_text_file(folder / "meta.json", json_lines(meta, 1));
     fs::remove(folder / "truth.exr");  // of another stack
     if (options.reflectance == Reflectance::ggx) return;
     Surface surface = surface_of(truth);
     if (options.reflectance == Reflectance::lambert)
         surface.specular = Image<float>(truth.width(), truth.height());
     surface.photography = photography;
-    surface.provenance = meta.dump();
+    surface.provenance = json_line(meta);
     write_painting(folder / "truth.exr", surface);
 }
 

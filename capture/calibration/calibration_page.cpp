@@ -327,7 +327,7 @@ CalibrationFiles write_calibration(const std::filesystem::path& out, const Calib
         urls.push_back(picture_url(sphere_picture(sphere), out));
     const nlohmann::json capture = to_json(calibration);
     AtomicFile record(files.json), page(files.page);
-    record.write(capture.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    record.write(json_lines(capture, 1));
     page.write(calibration_page(calibration, urls));
     const std::vector<Light> usable = calibration.lights.usable_lights();
     std::optional<AtomicFile> lights;

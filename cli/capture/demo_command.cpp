@@ -9,6 +9,7 @@
 #include "fit/evaluate/contact_sheet.h"
 #include "fit/pipeline/fit_painting.h"
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_folder.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
@@ -52,11 +53,8 @@ FitResult fit_sample(bool small, const Progress& progress) {
     options.mm_per_pixel = 200.0 / 512;  // the sample's README
     options.white_level = 0.75;
     FitResult fit = fit_painting(sample_stack("lights.lp", small), options, progress);
-    fit.surface.provenance = nlohmann::json{
-        {"program", "tangipaint " TP_VERSION},
-        {"command", "demo"},
-        {"inputs",
-         "datasets/impasto/jpg"}}.dump();
+    fit.surface.provenance = json_line(nlohmann::json{
+        {"program", "tangipaint " TP_VERSION}, {"command", "demo"}, {"inputs", "datasets/impasto/jpg"}});
     return fit;
 }
 

@@ -11,6 +11,7 @@
 #include "fit/pipeline/fit_report_page.h"
 #include "fit/residual/residual_fit.h"
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/file/output_set.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/fit_doubts.h"
@@ -144,7 +145,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
 
     FitResult fit = fit_painting(stack, options_of(arguments), progress);
     // File names may hold any bytes; JSON holds UTF-8.
-    fit.surface.provenance = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    fit.surface.provenance = json_line(provenance);
     fit.report.warnings = fit_warnings(fit.report);
     ResidualFit residual;
     if (arguments.with_residual) residual = residual_of(fit, stack, arguments.residual_options, progress);

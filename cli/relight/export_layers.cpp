@@ -8,6 +8,7 @@
 #include "paint/canvas/appearance.h"
 #include "paint/canvas/layer_pictures.h"
 #include "paint/files/paint_metadata.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 #include "surface/report/png_encode.h"
@@ -78,7 +79,7 @@ void write_layers(const fs::path& folder, const Canvas& canvas, const Progress& 
     if (!canvas.wet().empty()) write(canvas.wet(), true, false);
     nlohmann::json about = scale_in_words(canvas);
     about["layers"] = std::move(told);
-    write_text_file(folder / "layers.json", about.dump(2) + "\n");
+    write_text_file(folder / "layers.json", json_lines(about));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "cli/command_list.h"
 #include "fit/exchange/import_maps.h"
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
 
@@ -119,11 +120,8 @@ nlohmann::json run_import(const ImportArguments& a) {
     ImportReport report;
     Surface surface = import_maps(files, wanted, report, progress);
     nlohmann::json options = to_json(wanted);
-    surface.provenance = nlohmann::json{
-        {"program", "tangipaint " TP_VERSION},
-        {"command", "import"},
-        {"options", options},
-        {"maps", maps}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    surface.provenance = json_line(nlohmann::json{
+        {"program", "tangipaint " TP_VERSION}, {"command", "import"}, {"options", options}, {"maps", maps}});
     write_painting(out, surface, progress);
     nlohmann::json result = result_of(surface, report);
     result["painting"] = a.out, result["maps"] = maps;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "fit/evaluate/compare_page_html.h"
+#include "surface/base/json_text.h"
 #include "surface/base/parallel.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
@@ -106,7 +107,7 @@ CompareReport write_files(const fs::path& folder, const Surface& surface, const 
     CompareReport report = compare(surface, photos, options, progress, sink, residual);
     json data = to_json(report);
     for (std::size_t i = 0; i < files.size(); ++i) data["photos"][i]["pictures"] = files[i];
-    write_text_file(folder / "compare.json", data.dump(2) + "\n");
+    write_text_file(folder / "compare.json", json_lines(data));
     data["maps"] = write_maps(folder, surface, options);
     write_text_file(folder / "compare.html", comparison_page(data));
     return report;
@@ -140,8 +141,7 @@ std::string comparison_page(const json& report) {
 
     // Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.
     std::string text;
-    for (const char c : data.dump(-1, ' ', false, json::error_handler_t::replace))
-        text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    for (const char c : json_line(data)) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
     std::string page = kComparePageHtml;
     const std::string mark = "{{report}}";
     const std::size_t at = page.find(mark);

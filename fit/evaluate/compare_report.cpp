@@ -1,24 +1,15 @@
 #include "fit/evaluate/compare.h"
+#include "surface/base/json_text.h"
 
 namespace tangi {
 
 using nlohmann::json;
 
-namespace {
-
-// Names come from file systems, where any bytes are allowed; JSON wants UTF-8.
-std::string utf8_of(const std::string& text) {
-    const std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
-    return json::parse(quoted).get<std::string>();
-}
-
-}  // namespace
-
 json to_json(const CompareReport& report) {
     json photos = json::array();
     for (const PhotoComparison& p : report.photos) {
         const Vec3& l = p.light.direction;
-        photos.push_back({{"name", utf8_of(p.name)},
+        photos.push_back({{"name", valid_utf8(p.name)},
                           {"fitted", p.fitted},
                           {"light", {l.x, l.y, l.z}},
                           {"elevation_deg", p.elevation_deg},
@@ -41,9 +32,9 @@ json to_json(const CompareReport& report) {
         return means;
     };
     json warnings = json::array();
-    for (const std::string& warning : report.warnings) warnings.push_back(utf8_of(warning));
+    for (const std::string& warning : report.warnings) warnings.push_back(valid_utf8(warning));
     for (const std::string* doubt : {&report.foreign, &report.exchanged})
-        if (!doubt->empty()) warnings.push_back(utf8_of(*doubt));
+        if (!doubt->empty()) warnings.push_back(valid_utf8(*doubt));
     // For who reads the means by program or by eye: what they are worth.
     const bool predicts = report.held_out.count > 0;
     const char* judged =
@@ -57,7 +48,7 @@ json to_json(const CompareReport& report) {
         {"judged_by_in_words", judged},
         {"mean",
          {{"held_out", mean(report.held_out)}, {"fitted", mean(report.fitted)}, {"all", mean(report.all)}}},
-        {"worst", utf8_of(report.worst)},
+        {"worst", valid_utf8(report.worst)},
         {"transfer", report.transfer.name()},
         {"width", report.width},
         {"height", report.height},

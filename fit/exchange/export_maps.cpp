@@ -4,6 +4,7 @@
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 #include "surface/maps/height_unit.h"
@@ -76,7 +77,7 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
                                   {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
                                   {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
                                   {"photography", to_json(exposure_and_camera(s.photography))}};
-    write("maps.json", [&](const fs::path& path) { write_text_file(path, about.dump(2) + "\n"); });
+    write("maps.json", [&](const fs::path& path) { write_text_file(path, json_lines(about)); });
     return write.paths;
 }
 
@@ -125,7 +126,7 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
         {"mm_per_pixel", s.mm_per_pixel},
         {"scale_known", s.scale_known},
         {"clamped_pixels", clamped}};
-    write("brdf.json", [&](const fs::path& path) { write_text_file(path, brdf.dump(2) + "\n"); });
+    write("brdf.json", [&](const fs::path& path) { write_text_file(path, json_lines(brdf)); });
     return write.paths;
 }
 

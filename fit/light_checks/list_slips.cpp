@@ -129,13 +129,15 @@ double ShadingChanges::explained(const std::vector<Light>& lights, const ListOrd
         basis.row(i) << static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z);
     }
     basis.rowwise() -= basis.colwise().mean().eval();
-    // Lights of one ring span a plane alone.
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(basis, Eigen::ComputeThinU);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spanned(basis.transpose() * basis);
     const Eigen::Map<const Eigen::MatrixXd> covariance(covariance_.data(), n, n);
     double sum = 0;
-    for (Eigen::Index k = 0; k < 3 && k < n; ++k)
-        if (svd.singularValues()[k] > 1e-6 * svd.singularValues()[0])
-            sum += svd.matrixU().col(k).dot(covariance * svd.matrixU().col(k));
+    for (Eigen::Index k = 0; k < 3; ++k) {
+        const double squares = spanned.eigenvalues()[k];
+        if (squares <= 1e-12 * spanned.eigenvalues()[2]) continue;  // lights of one ring span a plane alone
+        const Eigen::VectorXd along = basis * spanned.eigenvectors().col(k);
+        sum += along.dot(covariance * along) / squares;
+    }
     return sum / all_;
 }
 

@@ -11,6 +11,7 @@
 #include "paint/files/paint_metadata.h"
 #include "surface/base/error.h"
 #include "surface/base/html_escape.h"
+#include "surface/base/json_text.h"
 #include "surface/base/memory_error.h"
 #include "surface/report/png_encode.h"
 
@@ -178,7 +179,7 @@ void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress,
     for (const DriedLayer& dried : canvas.dried())
         about["layers"].push_back({{"name", dried.name}, {"paint", volumes_of(canvas, dried.paint)}});
     about["layers"].push_back({{"name", "wet"}, {"paint", volumes_of(canvas, canvas.wet())}});
-    archive.add("tangipaint/painting.json", about.dump(2) + "\n", true);
+    archive.add("tangipaint/painting.json", json_lines(about), true);
     const AtomicFile painting(file.target().string() +
                               ".exr");  // not committed: gone when the archive is done
     fill_beside(painting, file, canvas, progress, further);

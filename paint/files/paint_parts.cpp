@@ -118,7 +118,7 @@ PartToWrite part_of(const std::string& name, const PaintLayer& layer) {
 void add_ingredients(PartInfo& info, const std::vector<Pigment>& ingredients) {
     json list = json::array();
     for (const Pigment& pigment : ingredients) list.push_back(to_json(pigment));
-    info.attributes["ingredients"] = list.dump();
+    info.attributes["ingredients"] = json_line(list);
 }
 
 void read_ingredients(const fs::path& path, const PartInfo& info, Canvas& canvas) {

@@ -27,12 +27,11 @@ PartToWrite part_of(const Brush& brush, Place place, bool goes_on) {
     const auto load = std::make_shared<const BrushLoad>(brush.bristles());
     part.info = {kBrush, size, size, {kTotal}, {}};
     for (const IngredientId id : load->ingredients) part.info.channels.push_back(volume_channel(id));
-    part.info.attributes["brush"] = json{
-        {"settings", brush_to_json(brush.settings())},
-        {"seed", brush.seed()},
-        {"rotation_rad", load->rotation_rad},
-        {"on", place == Place::painting ? "painting" : "palette"},
-        {"goes_on", goes_on}}.dump();
+    part.info.attributes["brush"] = json_line(json{{"settings", brush_to_json(brush.settings())},
+                                                   {"seed", brush.seed()},
+                                                   {"rotation_rad", load->rotation_rad},
+                                                   {"on", place == Place::painting ? "painting" : "palette"},
+                                                   {"goes_on", goes_on}});
     part.fill = [load, size](int y0, int y1, std::span<float* const> planes) {
         const auto copy = [&](const std::vector<float>& from, float* to) {
             std::copy_n(from.data() + static_cast<std::ptrdiff_t>(y0) * size,

@@ -273,7 +273,7 @@ Palette parse_palette(std::string_view text, const std::string& where) {
     const JsonPlace version = root.at("version");
     if (!version.value.is_number_integer())
         version.refuse("is {}, not the whole number {}",
-                       version.value.is_number_float() ? version.value.dump() : shown(version.value),
+                       version.value.is_number_float() ? json_line(version.value) : shown(version.value),
                        kVersion);
     if (version.value != kVersion)
         version.refuse("is {}, but this program reads version {}{}", shown(version.value), kVersion,
@@ -294,7 +294,7 @@ Palette parse_palette(std::string_view text, const std::string& where) {
 }
 
 std::string palette_text(const Palette& palette) {
-    const auto quoted = [](std::string_view text) { return json(text).dump(); };
+    const auto quoted = [](std::string_view text) { return json_line(json(text)); };
     std::string text = fmt::format(
         "{{\n  \"format\": {},\n  \"version\": {},\n  \"name\": {},\n  \"source\": {},\n  "
         "\"wavelengths_nm\": {},\n"

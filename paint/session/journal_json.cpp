@@ -4,6 +4,7 @@
 
 #include "paint/session/journal.h"
 #include "surface/base/error.h"
+#include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
 
 namespace tangi {
@@ -294,7 +295,7 @@ struct ToJson {
     json operator()(const WashEvent&) const { return {{"event", "wash"}}; }
     json operator()(const PaintsEvent& e) const {
         json result = {{"event", "paints"}};
-        if (e.palette) result["palette"] = json::parse(palette_text(*e.palette));
+        if (e.palette) result["palette"] = json_or_discarded(palette_text(*e.palette));
         return result;
     }
 };

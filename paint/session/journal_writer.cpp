@@ -75,7 +75,7 @@ void require_readable(const Event& event) {
     (void)event_from_json(parse_json(journal_line(event), where), where);
 }
 
-std::string journal_line(const Event& event) { return to_json(event).dump() + "\n"; }
+std::string journal_line(const Event& event) { return json_line(to_json(event)) + "\n"; }
 
 std::string journal_text(const JournalHead& head, std::string_view lines) {
     return fmt::format("{}\n{}", first_line(head), lines);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/base/noise.h"
 #include "surface/base/parallel.h"
 #include "surface/painting_file/painting_file.h"
@@ -385,7 +386,7 @@ Surface make_substrate(SubstrateKind kind, const SubstrateOptions& options, cons
     mean /= columns * rows;
     for (float& z : s.height_mm.pixels()) z -= static_cast<float>(mean);
     find_normals(s);
-    s.provenance = nlohmann::json{{"substrate", name_of(kind)}, {"options", to_json(options)}}.dump();
+    s.provenance = json_line(nlohmann::json{{"substrate", name_of(kind)}, {"options", to_json(options)}});
     return s;
 }
 

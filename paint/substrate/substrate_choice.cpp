@@ -10,6 +10,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 #include "surface/image/colour.h"
 #include "surface/image/memory_budget.h"
 #include "surface/image_file/image_io.h"
@@ -67,7 +68,7 @@ std::string provenance_of_picture(const SubstrateChoice& choice, const PictureSu
         {"pixel_mm", options.pixel_mm},
         {"pixel_known", options.pixel_known}};
     if (choice.height_from != "none") all["relief_mm"] = options.relief_mm;
-    return all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return json_line(all);
 }
 
 Surface made(const SubstrateChoice& choice, const Progress& progress) {
@@ -108,7 +109,7 @@ std::string provenance_of(const SubstrateChoice& choice, const std::string& befo
         const nlohmann::json made = json_or_discarded(before);
         all["made_of"] = made.is_discarded() ? nlohmann::json(before) : made;
     }
-    return all.dump();
+    return json_line(all);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ void write_pigment_pairs(const std::filesystem::path& path, const std::vector<Pi
     for (const PigmentPair& pair : pairs)
         root["pairs"].push_back(
             {{"first", pair.first}, {"second", pair.second}, {"why", pair.why}, {"source", pair.source}});
-    write_text_file(path, root.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    write_text_file(path, json_lines(root));
 }
 
 std::string_view usual_pigment_pairs_text() { return kPigmentPairsJson; }

@@ -3,6 +3,7 @@
 #include "retouch/report/report_content.h"
 #include "retouch/treatment/treatment_area.h"
 #include "retouch/treatment/treatment_picture.h"
+#include "surface/base/json_text.h"
 #include "surface/image_file/image_io.h"
 
 namespace tangi {
@@ -60,7 +61,7 @@ std::vector<std::string> quality_row(const json& region) {
     const auto number = [&](const json& of) { return fmt::format("{:.3f}", of.get<double>()); };
     const StatedLength area = stated_length(region, "area", "_mm2"),
                        height = stated_length(region, "height_step");
-    return {fmt::format("{}, {}", region.at("box_px").at(0).dump(), region.at("box_px").at(1).dump()),
+    return {fmt::format("{}, {}", json_line(region.at("box_px").at(0)), json_line(region.at("box_px").at(1))),
             fmt::format("{:.1f}{}", area.value.get<double>(), area.unit),
             colour("delta_e_2000"),
             colour("border_delta_e_2000"),

@@ -11,6 +11,7 @@
 #include "retouch/treatment/treatment_area.h"
 #include "retouch/treatment/treatment_picture.h"
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
 #include "surface/image_file/image_io.h"
@@ -39,7 +40,7 @@ std::string in_words(const json& value) {
         for (const json& v : value) text += (text.empty() ? "" : ", ") + in_words(v);
         return text;
     }
-    if (!value.is_object()) return value.is_string() ? value.get<std::string>() : value.dump();
+    if (!value.is_object()) return value.is_string() ? value.get<std::string>() : json_line(value);
     std::string text;
     for (const auto& [key, part] : value.items()) {
         if (part.is_null() || (part.is_structured() && part.empty())) continue;
@@ -93,7 +94,7 @@ void condition(ReportMatter& m) {
     ReportTable table{{"Class", "Count", "Area", "Part of the painting"}, {}, {3, 1, 1.4, 2}};
     for (const json& entry : damage_table(m.t)) {
         const auto name = entry["class"].get<std::string>();
-        table.rows.push_back({spaced(name), entry["count"].dump(), area_in_words(entry),
+        table.rows.push_back({spaced(name), json_line(entry["count"]), area_in_words(entry),
                               fmt::format("{:.2f} %", entry["percent"].get<double>())});
         table.keys.push_back(legend_colour_srgb(*damage_class_named(name)));
     }
@@ -119,7 +120,8 @@ std::string places_in_words(const json& gloss) {
     const json boxes = gloss.value("boxes_px", json::array());
     const std::size_t named = std::min(boxes.size(), std::size_t(4));
     for (std::size_t i = 0; i < named; ++i)
-        text += fmt::format("{}{}, {}", i == 0 ? "at " : "; ", boxes[i].at(0).dump(), boxes[i].at(1).dump());
+        text += fmt::format("{}{}, {}", i == 0 ? "at " : "; ", json_line(boxes[i].at(0)),
+                            json_line(boxes[i].at(1)));
     if (const std::size_t parts = gloss.value("parts", boxes.size()); parts > named)
         text += fmt::format(" and {} more", parts - named);
     return text;
@@ -324,8 +326,8 @@ std::vector<fs::path> write_files(ReportMatter& m, const fs::path& folder, const
     m.report.blocks.clear();
     write_picture_8bit(folder / names[4], colour_of(m.canvas.dry()));
     write_picture_8bit(folder / names[5], damage_picture(m.t, m.canvas.dry()));
-    write_text_file(folder / names[6], web_annotations(m.t, stem, published_at).dump(1) + "\n");
-    write_text_file(folder / names[7], iiif_manifest(m.t, stem, published_at).dump(1) + "\n");
+    write_text_file(folder / names[6], json_lines(web_annotations(m.t, stem, published_at), 1));
+    write_text_file(folder / names[7], json_lines(iiif_manifest(m.t, stem, published_at), 1));
     return names;
 }
 

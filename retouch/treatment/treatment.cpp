@@ -8,6 +8,7 @@
 #include "paint/files/canvas_file.h"
 #include "retouch/treatment/treatment_folder.h"
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
 #include "surface/file/output_set.h"
@@ -75,7 +76,7 @@ std::string sha256_of_what_is_known(const Surface& surface) {
     const json about = {
         {"law", {surface.reflectance_model.diffuse_roughness, surface.reflectance_model.second_lobe_weight}},
         {"photography", to_json(surface.photography)}};
-    const std::string text = about.dump();
+    const std::string text = json_line(about);
     Sha256 sha;
     sha.add(text.data(), text.size());
     return sha.hex();

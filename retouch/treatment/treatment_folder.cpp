@@ -259,7 +259,7 @@ PendingStep::PendingStep(fs::path folder, const TreatmentLog& log)
     try {
         told_of(pending, log.path(), [&] { make_folder(pending); });
         told_of(pending / kStepFile, log.path(), [&] {
-            write_text_file(pending / kStepFile, json{{"previous", log.head()}}.dump() + "\n");
+            write_text_file(pending / kStepFile, json_line(json{{"previous", log.head()}}) + "\n");
         });
     } catch (...) {
         std::error_code left;

@@ -10,6 +10,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 #include "surface/file/append_file.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/sha256.h"
@@ -36,7 +37,7 @@ struct Line {
 };
 
 Line sealed(const json& content) {
-    const std::string body = content.dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::string body = json_line(content);
     const std::string hash = sha256_of(body);
     return {body.substr(0, body.size() - 1) + kSeal + hash + "\"}", hash};
 }
@@ -212,7 +213,7 @@ const LogEntry& TreatmentLog::append(json content, const LogHold& /*held*/,
 // Whether the head that is on the disk is that of the last line.
 bool TreatmentLog::has_head() const {
     try {
-        const json stored = json::parse(read_text_file(head_path(path_)), nullptr, false);
+        const json stored = json_or_discarded(read_text_file(head_path(path_)));
         return stored.is_object() && stored.value("sha256", json()) == head();
     } catch (const Error&) {
         return false;
@@ -230,7 +231,7 @@ bool TreatmentLog::is_as_long_as_known() const {
 
 void TreatmentLog::write_head() const {
     const json head = {{"lines", entries_.size()}, {"sha256", this->head()}};
-    write_text_file(head_path(path_), head.dump() + "\n");
+    write_text_file(head_path(path_), json_line(head) + "\n");
 }
 
 }  // namespace tangi

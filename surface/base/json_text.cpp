@@ -117,6 +117,13 @@ json parse_json(std::string_view text, const std::string& where) {
     return value;
 }
 
+std::string json_line(const json& value) {
+    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+std::string json_lines(const json& value, int indent) {
+    return value.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
 int line_of(std::string_view text, std::size_t byte) {
     const std::string_view before = text.substr(0, std::min(byte, text.size()));
     return 1 + static_cast<int>(std::ranges::count(before, '\n'));
@@ -151,7 +158,7 @@ std::string why_no_json(std::string_view text, std::size_t byte) {
 std::string shown(const json& value) {
     // The writer of JSON gives more digits than a float has.
     if (value.is_number_float()) return fmt::format("{}", value.get<double>());
-    return shortened(value.dump(-1, ' ', false, json::error_handler_t::replace));
+    return shortened(json_line(value));
 }
 
 std::string shortened(std::string_view text, std::size_t most_bytes) {

@@ -12,6 +12,12 @@ namespace tangi {
 // them, and its user meant both), and for more than 64 levels of lists and objects in each other.
 nlohmann::json parse_json(std::string_view text, const std::string& where);
 
+// JSON as text, on one line without its end, or with a line for each value and the last line's end. What is
+// no UTF-8 becomes U+FFFD. Writing and reading go through here and json_reading.h: the library's templates
+// take seconds to compile in each source that uses them.
+std::string json_line(const nlohmann::json& value);
+std::string json_lines(const nlohmann::json& value, int indent = 2);
+
 // The line that a place in a text is in, from 1.
 int line_of(std::string_view text, std::size_t byte);
 // Why a text is no JSON, at the place where a parser gave up (parse_error::byte), with its column: cut off,

@@ -12,6 +12,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/output_set.h"
 #include "surface/file/stale_temporaries.h"
@@ -110,9 +111,9 @@ std::vector<std::string> AtomicFolder::commit() {
     const std::set<std::string> files = files_in(temporary_);
     const fs::path contents = temporary_ / contents_;
     nlohmann::json list = nlohmann::json::object();
-    if (files.contains(contents_)) list = nlohmann::json::parse(read_text_file(contents));
+    if (files.contains(contents_)) list = read_json(read_text_file(contents), contents.string());
     list["files"] = files;
-    told_of(temporary_, target_, [&] { write_text_file(contents, list.dump(2) + "\n"); });
+    told_of(temporary_, target_, [&] { write_text_file(contents, json_lines(list)); });
     const bool replaces = fs::exists(target_);
     if (replaces) require_own();  // still
     const bool placed =

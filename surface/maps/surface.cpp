@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "surface/base/error.h"
+#include "surface/base/json_text.h"
 #include "surface/base/parallel.h"
 
 namespace tangi {
@@ -18,9 +19,7 @@ double centred_y(int y, int height) { return (height - 1) / 2.0 - y; }
 
 // Names come from file systems, where any bytes are allowed; what is not UTF-8 in them is lost in a painting
 // file.
-std::string as_stored(const std::string& name) {
-    return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string as_stored(const std::string& name) { return json_line(nlohmann::json(name)); }
 
 }  // namespace
 

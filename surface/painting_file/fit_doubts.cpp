@@ -3,21 +3,24 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
+
 namespace tangi {
 
 using nlohmann::json;
 
 std::string with_doubts(const std::string& provenance, const std::vector<std::string>& poor,
                         const std::vector<std::string>& warnings) {
-    json all = json::parse(provenance, nullptr, false);
+    json all = json_or_discarded(provenance);
     if (!all.is_object()) all = {{"made_of", provenance}};
     all["poor"] = poor;
     all["warnings"] = warnings;
-    return all.dump(-1, ' ', false, json::error_handler_t::replace);
+    return json_line(all);
 }
 
 std::vector<std::string> doubts_of(const Surface& surface) {
-    const json all = json::parse(surface.provenance, nullptr, false);
+    const json all = json_or_discarded(surface.provenance);
     std::vector<std::string> doubts;
     if (!all.is_object()) return doubts;
     for (const char* field : {"poor", "warnings"}) {

@@ -121,9 +121,7 @@ private:
 };
 
 // Names of photographs come from file systems, where any bytes are allowed.
-std::string utf8_of(const nlohmann::json& value) {
-    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string utf8_of(const nlohmann::json& value) { return json_line(value); }
 
 Imf::Header header_of(const Surface& s) {
     Imf::Header header(s.width(), s.height());

@@ -7,6 +7,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 #include "surface/base/parallel.h"
 #include "surface/painting_file/painting_file.h"
 
@@ -144,7 +145,7 @@ PartToWrite part_of(const RelightingResidual& residual) {
     const Image<float>& first = residual.brightness.front();
     part.info = {kPart, first.width(), first.height(), channels_of(residual), {}};
     part.info.half = true;
-    part.info.attributes = {{"model", model_of(residual).dump()}, {"dry_hash", residual.dry_hash}};
+    part.info.attributes = {{"model", json_line(model_of(residual))}, {"dry_hash", residual.dry_hash}};
     part.fill = [&residual](int y0, int y1, std::span<float* const> planes) {
         for (std::size_t c = 0; c < planes.size(); ++c)
             for (int y = y0; y < y1; ++y) {
@@ -159,7 +160,7 @@ std::string with_residual_in_vain(const std::string& provenance) {
     json all = json_or_discarded(provenance);
     if (!all.is_object()) all = {{"made_of", provenance}};
     all[kPart] = kInVain;
-    return all.dump(-1, ' ', false, json::error_handler_t::replace);
+    return json_line(all);
 }
 
 bool residual_in_vain(const Surface& surface) {

@@ -9,6 +9,7 @@
 
 #include "capture/formats/lights_file.h"
 #include "capture/stack/stack.h"
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 #include "surface/maps/photography_json.h"
@@ -167,14 +168,14 @@ TEST(WriteStack, KeepsTheTruthBesideThePhotographs) {
             ASSERT_EQ(albedo(x, y), truth.diffuse(x, y));
             ASSERT_EQ(loss(x, y).r, truth.loss(x, y) ? 1.0f : 0.0f);
         }
-    const Photography read = photography_from_json(nlohmann::json::parse(read_text_file(gt / "lights.json")));
+    const Photography read = photography_from_json(read_json(read_text_file(gt / "lights.json"), "JSON"));
     ASSERT_EQ(read.photos.size(), 6u);
     EXPECT_EQ(read.white_level, 0.75);
     for (std::size_t i = 0; i < 6; ++i) {
         EXPECT_EQ(read.photos[i].light.position_mm, photography.photos[i].light.position_mm);
         EXPECT_EQ(read.photos[i].fitted, i < 4);
     }
-    const auto meta = nlohmann::json::parse(read_text_file(gt / "meta.json"));
+    const auto meta = read_json(read_text_file(gt / "meta.json"), "JSON");
     EXPECT_EQ(meta.at("mm_per_pixel"), truth.mm_per_pixel);
     EXPECT_EQ(meta.at("generator").at("reflectance"), "ward_bounded");
 }

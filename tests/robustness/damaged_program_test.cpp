@@ -8,6 +8,7 @@
 
 #include <chrono>
 
+#include "surface/base/json_reading.h"
 #include "tests/programs/support/cli_program.h"
 #include "tests/support/damaged_bytes.h"
 #include "tests/support/file_kinds.h"
@@ -109,7 +110,7 @@ std::string objection_to(const Finished& run) {
         return fmt::format("ends with {}: {}", run.code, run.err);
     if (run.peak_kib > kMostMemory_kib) return fmt::format("takes {} MB", run.peak_kib / 1024);
     const bool speaks = run.code == 0 || run.code == 3;
-    if (speaks ? !nlohmann::json::accept(run.out) : !run.out.empty())
+    if (speaks ? json_or_discarded(run.out).is_discarded() : !run.out.empty())
         return "says what is no JSON: " + run.out;
     if (run.code == 1 && run.err.empty()) return "says nothing";
     return objection_to_words(run.err);

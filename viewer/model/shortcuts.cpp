@@ -228,7 +228,7 @@ void Keys::write(const std::filesystem::path& file) const {
         changes[shortcut.name] = names;
     }
     make_folder(file.parent_path());
-    write_text_file(file, changes.dump(2) + "\n");
+    write_text_file(file, json_lines(changes));
 }
 
 Keys Keys::read(const std::filesystem::path& file) {

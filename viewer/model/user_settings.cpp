@@ -5,6 +5,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 
 namespace tangi {
@@ -79,8 +80,7 @@ void remember_painting(const fs::path& folder, const fs::path& painting) {
     nlohmann::json list = nlohmann::json::array();
     for (const fs::path& one : recent) list.push_back(one.string());
     make_folder(folder);
-    write_text_file(folder / "recent.json",
-                    list.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    write_text_file(folder / "recent.json", json_lines(list, 1));
 }
 
 }  // namespace tangi

@@ -208,13 +208,13 @@ void TreatmentController::confine() {
                 keeping_->area = std::move(area);
                 keeping_->feather_mm = static_cast<double>(feather_mm);
             }
-            write_text_file(now.folder() / kRecovery, recovery.dump(2) + "\n");
+            write_text_file(now.folder() / kRecovery, json_lines(recovery));
             return {};
         },
         true);
     if (!started) return;
     confine_due_ = false;
-    confined_by_ = recovery.dump();
+    confined_by_ = json_line(recovery);
 }
 
 // On the painter's thread, in place of saving.
@@ -272,7 +272,7 @@ void TreatmentController::keep_up() {
         keeping_->author = author();
     }
     if (!t.usable || job_) return;
-    if (recovery_of(t).dump() != confined_by_) confine_due_ = true;
+    if (json_line(recovery_of(t)) != confined_by_) confine_due_ = true;
     if (refresh_due_)
         refresh();
     else if (confine_due_)

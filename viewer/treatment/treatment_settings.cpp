@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "retouch/inpaint/recipe_json.h"
+#include "surface/base/json_text.h"
 #include "viewer/treatment/treatment_controller.h"
 
 namespace tangi {
@@ -44,7 +45,7 @@ json TreatmentController::made_on() const {
 std::string TreatmentController::preview_made_with() const {
     json with = made_on();
     with["retouch"] = parameters_of(state_.treatment_state.mode, retouch_options());
-    return with.dump(-1, ' ', false, json::error_handler_t::replace);
+    return json_line(with);
 }
 
 std::string TreatmentController::match_made_with() const {
@@ -53,15 +54,15 @@ std::string TreatmentController::match_made_with() const {
     with["paints_at_most"] = t.most_paints;
     for (const Illuminant one : illuminants_that_count()) with["illuminants"].push_back(name_of(one));
     if (t.film) with["film_mm"] = t.retouch.thickness_mm;
-    return with.dump(-1, ' ', false, json::error_handler_t::replace);
+    return json_line(with);
 }
 
 std::string TreatmentController::suggestion_made_with(Suggesting what) const {
     const TreatmentState& t = state_.treatment_state;
-    if (what == Suggesting::loss) return to_json(t.loss).dump();
-    if (what == Suggesting::craquelure) return to_json(t.craquelure).dump();
-    if (what == Suggesting::gloss) return to_json(t.gloss).dump();
-    return to_json(t.areas).dump();
+    if (what == Suggesting::loss) return json_line(to_json(t.loss));
+    if (what == Suggesting::craquelure) return json_line(to_json(t.craquelure));
+    if (what == Suggesting::gloss) return json_line(to_json(t.gloss));
+    return json_line(to_json(t.areas));
 }
 
 // What was made with other settings than there are now is not laid, taken over or taken up unseen.

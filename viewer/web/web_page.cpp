@@ -169,8 +169,7 @@ json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizo
 // Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.
 std::string inert(const json& data) {
     std::string text;
-    for (const char c : data.dump(-1, ' ', false, json::error_handler_t::replace))
-        text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    for (const char c : json_line(data)) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
     return text;
 }
 

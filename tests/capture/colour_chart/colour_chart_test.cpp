@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "surface/base/json_reading.h"
 #include "tests/support/capture/chart_pictures.h"
 
 namespace tangi {
@@ -266,8 +267,8 @@ TEST(ChartReference, OfTheClassicChartIsNearItsPublishedSrgb) {
 
 TEST(DataColourChart, IsFoundInAllHandheldPhotographs) {
     TP_DATA(folder, "handheld");
-    const auto props = nlohmann::json::parse(bytes_of(folder / "gt/props.json"));
-    const auto cameras = nlohmann::json::parse(bytes_of(folder / "gt/cameras.json"));
+    const auto props = read_json(bytes_of(folder / "gt/props.json"), "JSON");
+    const auto cameras = read_json(bytes_of(folder / "gt/cameras.json"), "JSON");
     const auto corner = [&](std::size_t patch, std::size_t which) {
         const auto& c = props["chart"][patch]["px_ref_corners_tl_tr_br_bl"][which];
         return dvec2(c[0].get<double>(), c[1].get<double>());

@@ -6,6 +6,7 @@
 #include <glm/matrix.hpp>
 
 #include "capture/stack/stack.h"
+#include "surface/base/json_reading.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {
@@ -59,7 +60,7 @@ TEST(PictureGeometry, ThereAndBackIsTheSamePlace) {
 }
 
 TEST(PictureGeometry, RoundTripsThroughText) {
-    const PictureGeometry g = example(), back = geometry_from_json(json::parse(to_json(g).dump()));
+    const PictureGeometry g = example(), back = geometry_from_json(read_json(to_json(g).dump(), "JSON"));
     EXPECT_EQ(back.place_in_photo({17, 33}), g.place_in_photo({17, 33}));
     EXPECT_EQ(back.width, 120);
     EXPECT_EQ(back.photo_height, 150);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/colour_chart/colour_chart.h"
+#include "surface/base/json_reading.h"
 #include "tests/support/capture/chart_pictures.h"
 
 namespace tangi {
@@ -161,7 +162,7 @@ TEST(Rectification, MakesThePictureUpright) {
 TEST(DataScale, OfHandheldIsRightToThreeInAThousand) {
     TP_DATA(folder, "handheld");
     constexpr double kTruth = 0.42613636363636365;  // meta.json, at z = 0
-    const auto props = nlohmann::json::parse(bytes_of(folder / "gt/props.json"));
+    const auto props = read_json(bytes_of(folder / "gt/props.json"), "JSON");
     const auto point = [](const nlohmann::json& j) { return dvec2(j[0].get<double>(), j[1].get<double>()); };
     const auto& bar = props["scale_bar"];
     const Scale by_bar =

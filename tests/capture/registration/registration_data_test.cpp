@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "capture/registration/registration.h"
+#include "surface/base/json_reading.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {
@@ -34,8 +35,7 @@ TEST(DataRegistration, HandheldIsRegisteredToWithin0_15Pixels) {
     TP_DATA(folder, "handheld");
     Stack stack = open_stack(folder / "png16");
     const Registration r = register_stack(stack, {});
-    std::ifstream file(folder / "gt/cameras.json");
-    const auto cameras = nlohmann::json::parse(file);
+    const auto cameras = read_json(bytes_of(folder / "gt/cameras.json"), "JSON");
     ASSERT_EQ(r.photos.size(), cameras.size());
     const glm::dvec2 centre(351.5 - 17 / 0.4261, 263.5);  // of the painting, which is 200 mm wide
     const double half = 100 / 0.4261;

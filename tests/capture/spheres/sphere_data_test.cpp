@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 #include "tests/support/capture/sphere_pictures.h"
 
@@ -101,7 +102,7 @@ TEST(DataMirrorSpheres, HandheldLightsAreWhereTheyWere) {
                                                         .sphere_height_mm = 6});
     ASSERT_EQ(c.spheres.size(), 2u);
     EXPECT_EQ(c.calibrated(), 24);
-    const auto truth = nlohmann::json::parse(read_text_file(folder / "gt" / "lights.json"));
+    const auto truth = read_json(read_text_file(folder / "gt" / "lights.json"), "JSON");
     double millimetres = 0, degrees = 0;
     int positions = 0;
     for (std::size_t i = 0; i < c.lights.size(); ++i) {

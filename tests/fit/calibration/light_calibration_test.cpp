@@ -8,6 +8,7 @@
 
 #include "datasets/generator.h"
 #include "fit/pipeline/fit_painting.h"
+#include "surface/base/json_reading.h"
 #include "surface/base/parallel.h"
 #include "surface/image_file/image_io.h"
 #include "surface/maps/photography_json.h"
@@ -30,7 +31,7 @@ struct LightScene {
         write_stack(folder.path(), painting, options);
         stack = open_stack(folder.path(), {.transfer = Transfer{}});
         surveyed = survey(stack);
-        truth = photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
+        truth = photography_from_json(read_json(bytes_of(folder / "gt/lights.json"), "JSON"));
     }
     double width_mm() const { return stack.width() * kMmPerPixel; }
     double mean_height_mm() const {

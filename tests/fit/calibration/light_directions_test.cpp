@@ -9,6 +9,7 @@
 #include "datasets/generator.h"
 #include "fit/calibration/light_calibration.h"
 #include "fit/calibration/light_direction_field.h"
+#include "surface/base/json_reading.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
 
@@ -61,7 +62,7 @@ struct WrongLights {
         const PaintingTruth painting =
             procedural_painting({.seed = 5, .width = 80, .height = 80, .mm_per_pixel = kMmPerPixel});
         write_stack(folder.path(), painting, options);
-        truth = photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
+        truth = photography_from_json(read_json(bytes_of(folder / "gt/lights.json"), "JSON"));
         if (error) {
             std::vector<Light> listed;
             for (const Photography::Photo& photo : truth.photos) {

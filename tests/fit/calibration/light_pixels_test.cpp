@@ -7,6 +7,7 @@
 
 #include "datasets/generator.h"
 #include "fit/calibration/light_calibration.h"
+#include "surface/base/json_reading.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
 #include "tests/support/fit/light_errors.h"
@@ -41,7 +42,7 @@ struct GildedPanel {
         std::cout << "\n" << name_of(found.model) << "\n";
     }
     Photography truth() const {
-        return photography_from_json(nlohmann::json::parse(bytes_of(folder / "gt/lights.json")));
+        return photography_from_json(read_json(bytes_of(folder / "gt/lights.json"), "JSON"));
     }
 };
 

@@ -8,6 +8,7 @@
 #include "capture/formats/lights_file.h"
 #include "fit/evaluate/compare_page.h"
 #include "fit/evaluate/contact_sheet.h"
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 #include "surface/render/relight.h"
@@ -219,7 +220,7 @@ TEST(WriteComparison, WritesNumbersAPageAndPicturesForEveryPhotograph) {
     const fs::path out = empty.path() / "made" / "here";
     const CompareReport report = write_comparison(out, surface, open_stack(folder.path()));
 
-    const auto json = nlohmann::json::parse(read_text_file(out / "compare.json"));
+    const auto json = read_json(read_text_file(out / "compare.json"), "JSON");
     ASSERT_EQ(json["photos"].size(), 6u);
     for (std::size_t i = 0; i < 6; ++i) {
         const auto& photo = json["photos"][i];
@@ -264,7 +265,7 @@ TEST(ComparisonPage, KeepsNamesTextWhateverTheyHold) {
     }
     report.warnings = {"<!-- careful"};
     const std::string page = comparison_page(to_json(report));
-    const auto data = nlohmann::json::parse(data_of(page));
+    const auto data = read_json(data_of(page), "JSON");
     EXPECT_EQ(data["photos"][0]["name"], report.photos[0].name);
     EXPECT_EQ(data["photos"][1]["name"], report.photos[1].name);
     EXPECT_EQ(data["photos"][2]["name"], "latin1 \xef\xbf\xbd.jpg");

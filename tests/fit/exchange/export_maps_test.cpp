@@ -1,6 +1,7 @@
 // export_maps_test.cpp: the numbers of exported pictures, as a page in a browser has them.
 #include "fit/exchange/export_maps.h"
 
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/base64.h"
 #include "surface/report/png_encode.h"
@@ -74,8 +75,8 @@ TEST_F(PicturesInABrowser, OfOpenLimeAreTheNumbersOfThePainting) {
         const Surface s = varied_surface(coloured);
         const auto folder = scratch_ / "openlime";
         write_openlime(folder, s);
-        const auto limits = nlohmann::json::parse(read_text_file(folder / "brdf.json"))["alphaLimits"]
-                                .get<std::vector<double>>();
+        const auto limits =
+            read_json(read_text_file(folder / "brdf.json"), "JSON")["alphaLimits"].get<std::vector<double>>();
         Image<Rgb> kd = s.diffuse, ks(kSide, kSide), normals = s.normal, gloss(kSide, kSide);
         const double rough = 1 - std::pow(limits[1], 0.25), smooth = 1 - std::pow(limits[0], 0.25);
         for (std::size_t i = 0; i < kd.size(); ++i) {

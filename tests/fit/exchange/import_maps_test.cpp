@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fit/exchange/export_maps.h"
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 #include "surface/render/relight.h"
@@ -208,7 +209,7 @@ TEST(ImportMaps, OpenLimeMapsComeBackToEightBits) {
     Surface s = example_surface();
     s.confidence(3, 2) = 0;
     write_openlime(dir.path(), s);
-    const auto brdf = nlohmann::json::parse(read_text_file(dir / "brdf.json"));
+    const auto brdf = read_json(read_text_file(dir / "brdf.json"), "JSON");
     EXPECT_NEAR(brdf["alphaLimits"][0].get<double>(), 0.1, 1e-6);
     EXPECT_NEAR(brdf["alphaLimits"][1].get<double>(), 0.49, 1e-6);
     EXPECT_EQ(brdf["colorspaces"]["kd"], "srgb");

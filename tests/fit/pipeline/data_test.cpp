@@ -15,6 +15,7 @@
 #include "capture/photo/photo_file.h"
 #include "fit/evaluate/compare.h"
 #include "fit/pipeline/fit_painting.h"
+#include "surface/base/json_reading.h"
 #include "surface/image/metrics.h"
 #include "surface/image_file/image_io.h"
 #include "surface/render/relight.h"
@@ -194,7 +195,7 @@ TEST(DataImpasto, NormalsHeldOutLightsAndHeightReachTheirFigures) {
 
 // Mean CIEDE2000 of rho_d in the chart's patches, at the places that the scene says.
 double chart_delta_e(const fs::path& props, const Surface& s) {
-    const nlohmann::json chart = nlohmann::json::parse(std::ifstream(props)).at("chart");
+    const nlohmann::json chart = read_json(bytes_of(props), "JSON").at("chart");
     double sum = 0;
     for (const nlohmann::json& patch : chart) {
         const auto corner = [&](std::size_t k) {

@@ -6,6 +6,7 @@
 
 #include "paint/canvas/layer_pictures.h"
 #include "paint/files/canvas_file.h"
+#include "surface/base/json_reading.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
@@ -116,7 +117,7 @@ TEST(OraFile, IsAnOpenRasterFileWithThePaintingInIt) {
     write_bytes(dir / "thumbnail.png", ora["Thumbnails/thumbnail.png"]);
     EXPECT_LE(read_picture(dir / "thumbnail.png").width(), 256);
 
-    const auto about = nlohmann::json::parse(ora["tangipaint/painting.json"]);
+    const auto about = read_json(ora["tangipaint/painting.json"], "JSON");
     EXPECT_EQ(about["layers"].size(), 3u);
     EXPECT_GT(about["height_high_mm"], 0.05);
     const auto& glaze = about["layers"][1]["paint"][0];

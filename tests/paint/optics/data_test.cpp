@@ -8,6 +8,7 @@
 
 #include "paint/optics/kubelka_munk.h"
 #include "paint/optics/palette.h"
+#include "surface/base/json_reading.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {
@@ -205,8 +206,7 @@ struct Drawdowns {
     std::vector<Lab> measured;
 
     explicit Drawdowns(const std::filesystem::path& tables) {
-        std::ifstream stream(tables / "golden_hb_9paints_11bands.json");
-        const nlohmann::json table = nlohmann::json::parse(stream);
+        const nlohmann::json table = read_json(bytes_of(tables / "golden_hb_9paints_11bands.json"), "JSON");
         const auto nm = table["wavelengths_nm"].get<std::vector<float>>();
         for (const auto& [theirs, ours] : {std::pair("PY83 Diarylide Yellow 1147", "Diarylide Yellow"),
                                            {"PV23 Dioxazine Purple 1150", "Dioxazine Purple"},

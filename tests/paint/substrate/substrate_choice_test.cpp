@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "surface/base/json_reading.h"
 #include "surface/maps/light.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/support/test_support.h"
@@ -76,7 +77,7 @@ TEST(SubstrateChoice, AFinishIsInItsProvenanceAndItIsNoPhotographsAnyMore) {
     choice.finish.roughness = 0.3;
     const Surface matt = make_substrate(choice);
     EXPECT_TRUE(matt.photography.photos.empty());
-    const auto json = nlohmann::json::parse(matt.provenance);
+    const auto json = read_json(matt.provenance, "JSON");
     EXPECT_EQ(json["finish"]["roughness"], 0.3);
     EXPECT_EQ(json["made_of"]["command"], "fit");
 }

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "surface/base/json_reading.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/test_support.h"
 
@@ -132,7 +133,7 @@ private:
             if (end != std::string::npos) {
                 const std::string text = arrived_.substr(0, end);
                 arrived_.erase(0, end + 1);
-                return nlohmann::json::parse(text);
+                return read_json(text, "JSON");
             }
             char buffer[1 << 16];
             const ssize_t size = ::read(from_, buffer, sizeof buffer);

@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "datasets/generator.h"
+#include "surface/base/json_reading.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/support/test_support.h"
@@ -33,7 +34,7 @@ struct Finished {
 
     // The one JSON object on stdout; fails the test where there is anything else.
     nlohmann::json json() const {
-        auto value = nlohmann::json::parse(out, nullptr, false);
+        auto value = json_or_discarded(out);
         EXPECT_TRUE(value.is_object()) << "stdout is not one JSON object:\n" << out << "\nstderr:\n" << err;
         return value.is_object() ? value : nlohmann::json::object();
     }

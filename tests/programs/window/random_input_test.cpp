@@ -4,6 +4,7 @@
 // Short here. TP_RANDOM_S=3600 lets it go on for an hour, TP_RANDOM_SEED=7 is another hand; under the
 // sanitizers (preset asan, random_tests) it is tests/programs/support/window_program.cpp, which is the window
 // without the other commands.
+#include "surface/base/json_reading.h"
 #include "tests/programs/support/random_hand.h"
 
 #include <gmock/gmock.h>
@@ -49,7 +50,7 @@ void expect_records_of_what_was_saved(const fs::path& folder) {
 bool gave_close_another_key(const Screen& screen) {
     const fs::path keys = screen.settings() / "keys.json";
     if (!fs::exists(keys)) return false;
-    const auto changed = nlohmann::json::parse(bytes_of(keys), nullptr, false);
+    const auto changed = json_or_discarded(bytes_of(keys));
     return changed.is_object() && changed.contains("close");
 }
 

@@ -3,6 +3,7 @@
 
 #include "paint/files/canvas_file.h"
 #include "paint/substrate/substrate.h"
+#include "surface/base/json_reading.h"
 #include "tests/programs/support/painting_window.h"
 
 namespace tangi {
@@ -73,7 +74,7 @@ TEST_F(Window, AKeyIsGivenToAnActionWhereKeysAreShown) {
     screen_->key("j");
     EXPECT_TRUE(Screen::until([&] { return bytes_of(keys).find("tool-pan") != std::string::npos; }));
     EXPECT_THAT(bytes_of(keys.parent_path() / "keys.wrong.json"), testing::HasSubstr("bogus"));
-    EXPECT_EQ(nlohmann::json::parse(bytes_of(keys))["tool-pan"][0], "J");
+    EXPECT_EQ(read_json(bytes_of(keys), "JSON")["tool-pan"][0], "J");
     EXPECT_EQ(close().code, 0);
 }
 

@@ -4,6 +4,7 @@
 
 #include "paint/canvas/appearance.h"
 #include "paint/files/canvas_file.h"
+#include "surface/base/json_reading.h"
 #include "surface/render/relight.h"
 #include "tests/programs/support/cli_program.h"
 #include "tests/programs/support/painting_window.h"
@@ -145,7 +146,7 @@ TEST_F(DataWindow, TheFittedIconIsTiltedLitPaintedMixedSavedAndCompared) {
     const fs::path page = folder_ / "report" / "compare.html";
     EXPECT_TRUE(Screen::until([&] { return fs::exists(page); }) ||
                 Screen::until([&] { return fs::exists(page); }));
-    const auto report = nlohmann::json::parse(bytes_of(folder_ / "report" / "compare.json"));
+    const auto report = read_json(bytes_of(folder_ / "report" / "compare.json"), "JSON");
     EXPECT_GT(report["photos"].size(), 60u);
     EXPECT_GT(report["mean"]["fitted"]["psnr_db"], 30.0);
     EXPECT_EQ(close().code, 0);

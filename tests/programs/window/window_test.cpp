@@ -4,6 +4,7 @@
 
 #include "paint/files/canvas_file.h"
 #include "paint/session/journal.h"
+#include "surface/base/json_reading.h"
 #include "surface/render/relight.h"
 #include "tests/programs/support/painting_window.h"
 
@@ -178,7 +179,7 @@ TEST_F(Window, HoldsPhotographsAgainstThePainting) {
     screen_->enter((folder_ / "report").string());  // not there yet
     const fs::path page = folder_ / "report" / "compare.html";
     EXPECT_TRUE(Screen::until([&] { return fs::exists(page); }));
-    const auto report = nlohmann::json::parse(bytes_of(folder_ / "report" / "compare.json"));
+    const auto report = read_json(bytes_of(folder_ / "report" / "compare.json"), "JSON");
     ASSERT_EQ(report["photos"].size(), 3u) << "the damaged one is left out";
     for (const auto& photo : report["photos"]) EXPECT_GT(photo["psnr_db"], 40.0) << photo["name"];
 

@@ -1,5 +1,6 @@
 // atomic_folder_test.cpp: folders that appear whole or not at all, and what killed programs leave.
 #include "surface/file/atomic_folder.h"
+#include "surface/base/json_reading.h"
 
 #include <gmock/gmock.h>
 #include <sys/wait.h>
@@ -110,7 +111,7 @@ TEST(AtomicFolder, AddsTheListToItsFile) {
         EXPECT_THAT(folder.commit(), ElementsAre("b", "list.json"));
     }
     EXPECT_EQ(names_in(dir / "out"), (Names{"b", "list.json"}));
-    const auto list = nlohmann::json::parse(bytes_of(dir / "out/list.json"));
+    const auto list = read_json(bytes_of(dir / "out/list.json"), "JSON");
     EXPECT_EQ(list["width"], 4);
     EXPECT_EQ(list["files"], (Names{"b", "list.json"}));
     EXPECT_NO_THROW(AtomicFolder(dir / "out", "list.json")) << "it lists what it holds";

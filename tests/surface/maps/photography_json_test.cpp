@@ -1,6 +1,7 @@
 // photography_json_test.cpp: what is known of the photographs as JSON and back, and JSON that is not
 // that.
 #include "surface/maps/photography_json.h"
+#include "surface/base/json_reading.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,7 +34,7 @@ TEST(PhotographyJson, RoundTripsThroughText) {
         if (i % 4 == 1)
             p.photos.back().homography = Homography(1, 0.1 / 3, 1e-7, -0.2, 1.1, 2e-7, 3.3, -4, 1);
     }
-    const Photography back = photography_from_json(json::parse(to_json(p).dump()));
+    const Photography back = photography_from_json(read_json(to_json(p).dump(), "JSON"));
     EXPECT_EQ(back.transfer, p.transfer);
     EXPECT_EQ(back.white_level, p.white_level);
     ASSERT_EQ(back.photos.size(), p.photos.size());
@@ -90,7 +91,7 @@ TEST(PhotographyJson, RoundTripsRigAndLights) {
              .bend_per_mm = -1e-4f,
              .light_radius_deg = 2.5f};
     p.light_model = LightModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
-    const Photography back = photography_from_json(json::parse(to_json(p).dump()));
+    const Photography back = photography_from_json(read_json(to_json(p).dump(), "JSON"));
     EXPECT_EQ(back.rig, p.rig);
     EXPECT_EQ(back.light_model, p.light_model);
     EXPECT_EQ(back.beams, p.beams);

@@ -1,5 +1,6 @@
 // fit_doubts_test.cpp: what a fit had doubts about is read back from the painting's provenance.
 #include "surface/painting_file/fit_doubts.h"
+#include "surface/base/json_reading.h"
 
 #include <gmock/gmock.h>
 
@@ -12,7 +13,7 @@ TEST(FitDoubts, AreReadBackWithTheRestOfTheProvenance) {
     Surface surface;
     surface.provenance =
         with_doubts(R"({"program": "tangipaint"})", {"poor lights"}, {"a tilt", "poor lights"});
-    EXPECT_EQ(nlohmann::json::parse(surface.provenance)["program"], "tangipaint");
+    EXPECT_EQ(read_json(surface.provenance, "JSON")["program"], "tangipaint");
     EXPECT_THAT(doubts_of(surface), testing::ElementsAre("poor lights", "a tilt"))
         << "each once, the worst first";
     surface.provenance = with_doubts(surface.provenance, {}, {});
@@ -27,7 +28,7 @@ TEST(FitDoubts, OfOtherPaintingsAreNone) {
         EXPECT_THAT(doubts_of(surface), testing::IsEmpty()) << provenance;
     }
     surface.provenance = with_doubts("by hand", {}, {"\xff"});
-    EXPECT_EQ(nlohmann::json::parse(surface.provenance)["made_of"], "by hand");
+    EXPECT_EQ(read_json(surface.provenance, "JSON")["made_of"], "by hand");
     EXPECT_EQ(doubts_of(surface).size(), 1u) << "names may hold any bytes";
 }
 

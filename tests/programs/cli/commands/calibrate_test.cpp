@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "capture/formats/lights_file.h"
+#include "surface/base/json_reading.h"
 #include "surface/base/median.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/programs/support/cli_program.h"
@@ -31,7 +32,7 @@ TEST(CliCalibrate, WritesLightsACaptureFileAndAPage) {
     const LightsFile file = read_lights_file(dir / "lights.lp");
     ASSERT_EQ(file.lights.size(), 5u);
     EXPECT_LT(degrees_between(glm::dvec3(file.lights[0].direction), lights[0]), 1);
-    const auto capture = nlohmann::json::parse(bytes_of(dir / "capture.json"));
+    const auto capture = read_json(bytes_of(dir / "capture.json"), "JSON");
     EXPECT_EQ(capture["format"], "tangipaint capture 1");
     EXPECT_EQ(capture["lights"].size(), 6u);
     EXPECT_EQ(capture["lights"][4]["highlights"][0]["state"], "absent");
@@ -93,7 +94,7 @@ TEST(CliCalibrate, FindsLightsOfWhichNothingIsWrittenDown) {
     for (const char* part :
          {"The other reading", "directions of the lights", "± deg", "from the photographs alone"})
         EXPECT_THAT(page, HasSubstr(part));
-    EXPECT_EQ(nlohmann::json::parse(bytes_of(dir / "photos/capture.json"))["method"], "uncalibrated");
+    EXPECT_EQ(read_json(bytes_of(dir / "photos/capture.json"), "JSON")["method"], "uncalibrated");
 
     std::vector<std::string> inverted = words;
     inverted.push_back("--inverted");

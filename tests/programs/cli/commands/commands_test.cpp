@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include "surface/base/json_reading.h"
 #include "surface/painting_file/painting_parts.h"
 #include "tests/programs/support/cli_program.h"
 
@@ -29,7 +30,7 @@ TEST(CliFit, WritesThePaintingThatItDescribes) {
     EXPECT_TRUE(said["scale_known"]);
     EXPECT_DOUBLE_EQ(s.mm_per_pixel, 0.25);
     EXPECT_DOUBLE_EQ(s.photography.white_level, 0.75);
-    const nlohmann::json provenance = nlohmann::json::parse(s.provenance);
+    const nlohmann::json provenance = read_json(s.provenance, "JSON");
     EXPECT_EQ(provenance["inputs"].size(), 12u);
     EXPECT_EQ(provenance["options"]["white_level"], 0.75);
     EXPECT_THAT(everything_in(stack.root()), testing::Contains("a.exr"));

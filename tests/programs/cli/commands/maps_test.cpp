@@ -1,5 +1,6 @@
 // maps_test.cpp: what exported maps, layers and RTI files say and keep, run as a user would run them.
 #include "fit/exchange/ptm_rti_file.h"
+#include "surface/base/json_reading.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image/metrics.h"
 #include "tests/programs/support/cli_program.h"
@@ -94,7 +95,7 @@ TEST(CliMaps, LayersSayWhatTheirFilesAre) {
     ASSERT_TRUE(ended(tangipaint({"replay", stack.truth(), journal, "--out", painted}), 0));
     const std::string out = stack.out("layers");
     ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "layers", "--out", out}), 0));
-    const auto about = nlohmann::json::parse(read_text_file(out + "/layers.json"));
+    const auto about = read_json(read_text_file(out + "/layers.json"), "JSON");
     EXPECT_EQ(about["mm_per_pixel"], read_painting(stack.truth()).mm_per_pixel);
     EXPECT_EQ(about["height_unit"], "mm");
     EXPECT_EQ(about["bands_nm"].size(), 12u);
@@ -140,7 +141,7 @@ TEST(CliMaps, OneScaleIsToldOfAPaintingThatWasGivenOne) {
     ASSERT_TRUE(ended(tangipaint({"export", painted, "--to", "maps", "--out", maps}), 0));
     for (const std::string& file : {layers + "/layers.json", layers + "/dry/maps.json",
                                     layers + "/painted/maps.json", maps + "/maps.json"}) {
-        const auto about = nlohmann::json::parse(read_text_file(file));
+        const auto about = read_json(read_text_file(file), "JSON");
         EXPECT_EQ(about["mm_per_pixel"], 0.4) << file;
         EXPECT_EQ(about["height_unit"], "mm") << file;
     }

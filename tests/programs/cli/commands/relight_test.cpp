@@ -3,6 +3,7 @@
 
 #include "capture/formats/lights_file.h"
 #include "capture/photo/photo_file.h"
+#include "surface/base/json_reading.h"
 #include "surface/render/relight.h"
 #include "tests/programs/support/cli_program.h"
 
@@ -287,8 +288,7 @@ TEST(CliCompare, WritesNumbersForEachPhotographAndAPage) {
     const Finished run = tangipaint({"compare", stack.out("a.exr"), stack.path(), "--out", out});
     ASSERT_TRUE(ended(run, 0));
     EXPECT_EQ(run.err, "");
-    const nlohmann::json said = run.json(),
-                         file = nlohmann::json::parse(read_text_file(out + "/compare.json"));
+    const nlohmann::json said = run.json(), file = read_json(read_text_file(out + "/compare.json"), "JSON");
     EXPECT_EQ(said["page"], out + "/compare.html");
     EXPECT_EQ(said["mean"], file["mean"]);
     ASSERT_EQ(file["photos"].size(), 12u);

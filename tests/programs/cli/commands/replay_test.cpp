@@ -1,4 +1,5 @@
 // replay, run as a user would run it.
+#include "surface/base/json_reading.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/painting_file/painting_parts.h"
 #include "tests/programs/support/cli_program.h"
@@ -201,7 +202,7 @@ TEST(CliReplay, PaintsOnAPictureAndKeepsItUnderAName) {
     ASSERT_TRUE(ended(replay({"--substrate", "my cloth"}), 0));
     EXPECT_TRUE(images_near(read_painting(f.path("a.exr")).height_mm, dry.height_mm, 0));
     EXPECT_TRUE(dry.scale_known);
-    const auto made_of = nlohmann::json::parse(dry.provenance);
+    const auto made_of = read_json(dry.provenance, "JSON");
     EXPECT_EQ(made_of["substrate"], "cloth.png");
     EXPECT_EQ(made_of["height_from"], "luminance");
     EXPECT_EQ(made_of["relief_mm"], 0.3);

@@ -1,5 +1,6 @@
 // Everything that can be wrong with folders, lights and paintings: the message names the file, the place,
 // the remedy.
+#include "surface/base/json_reading.h"
 #include "tests/programs/support/bad_stack.h"
 
 namespace tangi {
@@ -233,7 +234,7 @@ TEST(CliBadLights, AreOfAPoorCalibration) {
         return tangipaint(words);
     };
     ASSERT_TRUE(ended(run({"fit"}, painting), 0));
-    nlohmann::json about = nlohmann::json::parse(bytes_of(capture));
+    nlohmann::json about = read_json(bytes_of(capture), "JSON");
     about["poor"] = {"the sphere is an egg"};
     write_bytes(capture, about.dump());
     const std::vector<std::string> told = {"poor result",

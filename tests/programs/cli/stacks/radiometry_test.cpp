@@ -1,6 +1,7 @@
 // Camera raw, frames and brackets, as a user gives them to fit and compare.
 #include <gmock/gmock.h>
 
+#include "surface/base/json_reading.h"
 #include "tests/programs/support/cli_program.h"
 #include "tests/support/capture/dng_writer.h"
 
@@ -71,8 +72,7 @@ TEST(CliRadiometry, FramesGiveThePaintingBackThatLensAndSensorSpoiled) {
     EXPECT_TRUE(said["ambient"].is_null());
     EXPECT_TRUE(said["raw"].is_null());
     EXPECT_THAT(run.json()["transfer"]["source"].get<std::string>(), HasSubstr("developed"));
-    const nlohmann::json provenance =
-        nlohmann::json::parse(read_painting(stack.out("restored.exr")).provenance);
+    const nlohmann::json provenance = read_json(read_painting(stack.out("restored.exr")).provenance, "JSON");
     EXPECT_EQ(provenance["development"], said);
     EXPECT_EQ(provenance["options"]["photos"]["flat"], stack.out("flat.png"));
 
