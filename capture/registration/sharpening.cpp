@@ -1,6 +1,6 @@
 #include "capture/registration/sharpening.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "capture/stack/survey.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_eigen.h"
 
 namespace tangi {
 
@@ -97,12 +98,13 @@ Block usable_block(const AlignmentWindow& window, const std::vector<std::size_t>
 }
 
 // The principal components of a block, weakest first.
-using Components = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
+// [][component] from the weakest.
+Eigen::MatrixXd components_of(const Block& block) {
+    return symmetric_eigen(block * block.transpose() / kArea).vectors;
+}
 
-Components components_of(const Block& block) { return Components(block * block.transpose() / kArea); }
-
-Block weak_part(const Components& components, const Block& block) {
-    return components.eigenvectors().leftCols(block.rows() / 2).transpose() * block;
+Block weak_part(const Eigen::MatrixXd& components, const Block& block) {
+    return components.leftCols(block.rows() / 2).transpose() * block;
 }
 
 Power power_of(const Block& noise, const Waves& waves) {
@@ -132,9 +134,9 @@ Block white_noise(long rows, std::mt19937_64& random) {
 }
 
 // Of the strong components and white noise that leaves as much in the weak ones.
-Power power_of_white(const Components& components, const Block& block, double variance, const Waves& waves,
-                     std::mt19937_64& random) {
-    const auto strong = components.eigenvectors().rightCols(block.rows() - block.rows() / 2);
+Power power_of_white(const Eigen::MatrixXd& components, const Block& block, double variance,
+                     const Waves& waves, std::mt19937_64& random) {
+    const auto strong = components.rightCols(block.rows() - block.rows() / 2);
     const Block picture = strong * (strong.transpose() * block);
     double sigma = std::sqrt(variance);
     Power power;
@@ -147,7 +149,7 @@ Power power_of_white(const Components& components, const Block& block, double va
 }
 
 NoiseBlock noise_of(const Block& block, int x0, const Waves& waves, std::mt19937_64& random) {
-    const Components components = components_of(block);
+    const Eigen::MatrixXd components = components_of(block);
     const Block noise = weak_part(components, block);
     NoiseBlock result;
     result.measured = power_of(noise, waves);

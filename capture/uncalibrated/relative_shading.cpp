@@ -1,11 +1,11 @@
 #include "capture/uncalibrated/relative_shading.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "surface/base/median.h"
+#include "surface/base/symmetric_eigen.h"
 
 namespace tangi {
 
@@ -178,8 +178,7 @@ ShadingFactors factored(const RelativeShading& s, const Progress& progress) {
     MatrixXd products(tame.cols(), tame.cols());
     for (Index j = 0; j < tame.cols(); ++j)
         for (Index k = 0; k <= j; ++k) products(j, k) = products(k, j) = tame.col(j).dot(tame.col(k));
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> start(products);
-    f.right = start.eigenvectors().rightCols(2) * std::sqrt(static_cast<double>(s.value.cols()));
+    f.right = symmetric_eigen(products).vectors.rightCols(2) * std::sqrt(static_cast<double>(s.value.cols()));
     f.left = MatrixXd::Zero(s.value.rows(), 2);
     f.level = VectorXd::Ones(s.value.cols());
     MatrixXd weight = s.weight, residual;

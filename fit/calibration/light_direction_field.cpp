@@ -1,8 +1,9 @@
 #include "fit/calibration/light_direction_field.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <glm/geometric.hpp>
+
+#include "surface/base/symmetric_eigen.h"
 
 namespace tangi {
 
@@ -66,14 +67,14 @@ DirectionField::DirectionField(const std::vector<dvec3>& lights, bool strengths_
         1e-9 * static_cast<double>(count);  // few lights cannot tell all motions apart
     const MatrixXd of_motions = normal.ldlt().solve(motion.transpose() * field);
     field -= motion * of_motions;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(field.transpose() * field /
-                                                         static_cast<double>(std::max<Index>(count, 1)));
-    const Eigen::VectorXd& squares = solver.eigenvalues();  // ascending
+    const SymmetricEigen found =
+        symmetric_eigen(field.transpose() * field / static_cast<double>(std::max<Index>(count, 1)));
+    const Eigen::VectorXd& squares = found.values;
     for (Index k = 0; k < polynomials; ++k) {
         if (squares[k] <= kNegligible * squares[polynomials - 1]) continue;
         auto& mode = modes_.emplace_back();
         for (Index i = 0; i < polynomials; ++i)
-            mode[static_cast<std::size_t>(i)] = solver.eigenvectors()(i, k) / std::sqrt(squares[k]);
+            mode[static_cast<std::size_t>(i)] = found.vectors(i, k) / std::sqrt(squares[k]);
     }
     for (Index k = 0; k < motions; ++k) {
         auto& row = motions_.emplace_back();

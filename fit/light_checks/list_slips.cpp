@@ -1,12 +1,13 @@
 #include "fit/light_checks/list_slips.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "capture/photo/photo_names.h"
 #include "surface/base/median.h"
+#include "surface/base/symmetric_eigen.h"
 
 namespace tangi {
 
@@ -129,24 +130,16 @@ double ShadingChanges::explained(const std::vector<Light>& lights, const ListOrd
         basis.row(i) << static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z);
     }
     basis.rowwise() -= basis.colwise().mean().eval();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spanned(basis.transpose() * basis);
+    const Eigen::MatrixXd spanned = orthonormal_span(basis);  // lights of one ring span a plane alone
     const Eigen::Map<const Eigen::MatrixXd> covariance(covariance_.data(), n, n);
-    double sum = 0;
-    for (Eigen::Index k = 0; k < 3; ++k) {
-        const double squares = spanned.eigenvalues()[k];
-        if (squares <= 1e-12 * spanned.eigenvalues()[2]) continue;  // lights of one ring span a plane alone
-        const Eigen::VectorXd along = basis * spanned.eigenvectors().col(k);
-        sum += along.dot(covariance * along) / squares;
-    }
-    return sum / all_;
+    return (spanned.transpose() * covariance * spanned).trace() / all_;
 }
 
 double ShadingChanges::by_any_three() const {
     if (!(all_ > 0)) return 0;
     const auto n = static_cast<Eigen::Index>(photos_);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-        Eigen::Map<const Eigen::MatrixXd>(covariance_.data(), n, n), Eigen::EigenvaluesOnly);
-    return solver.eigenvalues().tail(std::min<Eigen::Index>(3, n)).sum() / all_;
+    const Eigen::Map<const Eigen::MatrixXd> covariance(covariance_.data(), n, n);
+    return symmetric_eigenvalues(covariance).tail(std::min<Eigen::Index>(3, n)).sum() / all_;
 }
 
 }  // namespace tangi

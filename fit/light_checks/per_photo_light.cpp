@@ -49,10 +49,12 @@ struct ShownSums {
     }
     // [1] Part of what is left over without a side that it explains.
     double explained() const {
-        const double all = squares - right.dot(Eigen::LDLT<ShownNormal>(matrix).solve(right));
+        const ShownUnknowns found = Eigen::LDLT<ShownNormal>(matrix).solve(right);
+        const double all = squares - right.dot(found);
         const Eigen::Matrix<double, 6, 6> even = matrix.bottomRightCorner<6, 6>();
-        const Eigen::Matrix<double, 6, 1> even_right = right.tail<6>();
-        const double without = squares - even_right.dot(even.ldlt().solve(even_right));
+        const Eigen::Matrix<double, 6, 1> even_right = right.tail<6>(),
+                                          even_found = even.ldlt().solve(even_right);
+        const double without = squares - even_right.dot(even_found);
         return without > 0 ? std::clamp(1 - all / without, 0.0, 1.0) : 0;
     }
     // Light times strength, at the picture's middle.

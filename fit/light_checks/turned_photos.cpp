@@ -1,6 +1,6 @@
 #include "fit/light_checks/turned_photos.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include "capture/stack/stack_calibration.h"
 #include "surface/base/log_ratio.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_eigen.h"
 
 namespace tangi {
 
@@ -68,13 +69,14 @@ public:
         : survey_(survey), poses_(poses_of(width, height)), width_(width), height_(height) {
         for (const PhotoPose& pose : poses_) pairs_.push_back(pairs_in(survey, pose, width, height));
         read_values();
-        Eigen::MatrixXf terms(count(), 3);
+        Eigen::MatrixXd terms(count(), 3);
         for (Eigen::Index i = 0; i < count(); ++i) {
             const Vec3& d = lights[static_cast<std::size_t>(i)].direction;
-            terms.row(i) << 1, d.x, d.y;
+            terms.row(i) << 1, static_cast<double>(d.x), static_cast<double>(d.y);
         }
-        // Lights in one plane leave a direction open, which is left at 0.
-        hat_ = terms * terms.completeOrthogonalDecomposition().pseudoInverse();
+        // Lights in one plane leave a direction open, of which nothing is predicted.
+        const Eigen::MatrixXd spanned = orthonormal_span(terms);
+        hat_ = (spanned * spanned.transpose()).cast<float>();
     }
 
     Eigen::Index count() const { return values_.cols(); }

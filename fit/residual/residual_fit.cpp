@@ -1,7 +1,6 @@
 #include "fit/residual/residual_fit.h"
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <glm/matrix.hpp>
@@ -11,6 +10,7 @@
 #include "fit/residual/residual_kernel.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_eigen.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/render/relight.h"
 
@@ -141,13 +141,13 @@ std::vector<glm::ivec2> sample_positions(const Surface& surface, int count) {
 
 // Principal components [photograph][term] of what the regression predicts at the photographs.
 Matrix components_of(const Matrix& predicted, int most) {
-    const Eigen::SelfAdjointEigenSolver<Matrix> solver(predicted * predicted.transpose());
-    const Eigen::VectorXd energy = solver.eigenvalues().cwiseMax(0).reverse();
+    const SymmetricEigen found = symmetric_eigen(predicted * predicted.transpose());
+    const Eigen::VectorXd energy = found.values.cwiseMax(0).reverse();
     double kept = 0;
     int terms = 0;
     while (terms < std::min<int>(most, static_cast<int>(energy.size())) && kept < kEnergyKept * energy.sum())
         kept += energy[terms++];
-    Matrix components = solver.eigenvectors().rowwise().reverse().leftCols(terms);
+    Matrix components = found.vectors.rowwise().reverse().leftCols(terms);
     for (Eigen::Index t = 0; t < components.cols(); ++t) {  // their sign is arbitrary
         Eigen::Index largest = 0;
         components.col(t).cwiseAbs().maxCoeff(&largest);

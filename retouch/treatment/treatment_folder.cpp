@@ -226,10 +226,11 @@ void settle_pending(const fs::path& folder) {
     if (!fs::exists(pending, missing)) return;
     const LogHold held(folder / kTreatmentLog);
     if (!fs::exists(pending, missing)) return;  // another program was writing, and is done
-    const TreatmentLog log = TreatmentLog::open(folder / kTreatmentLog);
+    TreatmentLog log = TreatmentLog::open(folder / kTreatmentLog);
     require_form(log);
     const LogEntry* line = pending_line(pending, log);
     if (!line) {
+        log.remove_torn_line(held);
         remove_made_ahead(folder);
         return clear_pending(pending);
     }

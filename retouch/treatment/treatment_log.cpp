@@ -224,6 +224,12 @@ void TreatmentLog::complete_head(const LogHold& /*held*/) const {
     if (!has_head()) write_head();
 }
 
+void TreatmentLog::remove_torn_line(const LogHold& /*held*/) {
+    if (seen_bytes_ == whole_bytes_) return;
+    AppendFile(path_, AppendFile::Open::existing).cut(whole_bytes_);
+    seen_bytes_ = whole_bytes_;
+}
+
 bool TreatmentLog::is_as_long_as_known() const {
     std::error_code unknown;
     return fs::file_size(path_, unknown) == whole_bytes_ && !unknown;

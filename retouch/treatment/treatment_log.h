@@ -71,6 +71,8 @@ public:
     bool is_as_long_as_known() const;
     // Of a last line that a crash left without its head, and that is known to be of this program: writes it.
     void complete_head(const LogHold& held) const;
+    // What a crash left of a last line that is known to be of this program.
+    void remove_torn_line(const LogHold& held);
 
 private:
     explicit TreatmentLog(std::filesystem::path path) : path_(std::move(path)) {}

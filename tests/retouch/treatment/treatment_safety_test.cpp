@@ -59,21 +59,25 @@ TEST_F(TreatmentFolder, AStepThatACrashCameIntoIsThereAsAWholeOrNotAtAll) {
                       .canvas = &canvas,
                       .added = {{"fill 1", LayerRole::fill}}},
                      kAuthor);
-    for (const bool in_log : {false, true}) {
-        const fs::path crashed = dir_ / (in_log ? "in_log" : "not");
+    const std::string lines = read_text_file(dir_ / "before/log.jsonl");
+    for (const std::string line : {"none", "half", "whole"}) {
+        const bool in_log = line == "whole";
+        const fs::path crashed = dir_ / line;
         fs::copy(dir_ / "before", crashed, fs::copy_options::recursive);
         fs::create_directories(crashed / "pending/masks/earlier");
         for (const char* file : {"painting.exr", "masks/stain.png", "masks/earlier/stain.2.png"})
             fs::copy_file(folder() / file, crashed / "pending" / file);
         write_text_file(crashed / "pending/step.json", nlohmann::json{{"previous", head}}.dump());
-        if (in_log)
-            fs::copy_file(folder() / "log.jsonl", crashed / "log.jsonl",
-                          fs::copy_options::overwrite_existing);
+        const std::string all = read_text_file(folder() / "log.jsonl");
+        if (line == "half")
+            write_bytes(crashed / "log.jsonl", all.substr(0, (lines.size() + all.size()) / 2));
+        if (line == "whole") write_bytes(crashed / "log.jsonl", all);
         const Treatment found = Treatment::open(crashed);
         EXPECT_THAT(found.check(), IsEmpty());
         EXPECT_EQ(found.layers().size(), in_log ? 1u : 0u);
         EXPECT_EQ(area_of(found.mask(DamageClass::stain), 1).mm2, in_log ? 0 : 7000);
         EXPECT_FALSE(fs::exists(crashed / "pending"));
+        EXPECT_EQ(read_text_file(crashed / "log.jsonl"), in_log ? all : lines);
     }
 }
 
