@@ -219,7 +219,7 @@ bool grid_shows(const std::vector<NoiseBlock>& blocks) {
         }
         if (!(counts[i] > 0) || !(sum > 0)) return false;
         // A square of normal noise has twice the square of its mean as variance; blocks overlap by half.
-        const double expected = sum / count, independent = counts[i] / (kSide * kSide / (kStep * kStep));
+        const double expected = sum / count, independent = counts[i] * kStep * kStep / kArea;
         if (std::abs(steps[i] / counts[i] / expected - 1) > kGridShows * std::sqrt(2 / independent))
             return true;
     }

@@ -39,8 +39,9 @@ void flatten(RelativeShading& s, Index photo) {
     using Normal = Eigen::Matrix<double, 6, 6>;
     const Index pixels = s.value.rows();
     const auto terms = [&](Index pixel) -> Terms {
-        const double x = static_cast<double>(pixel % s.width) / s.width - 0.5;
-        const double y = static_cast<double>(pixel / s.width) / s.height - 0.5;
+        const Index row = pixel / s.width, column = pixel - row * s.width;
+        const double x = static_cast<double>(column) / s.width - 0.5;
+        const double y = static_cast<double>(row) / s.height - 0.5;
         return {1, x, y, x * x, x * y, y * y};
     };
     const VectorXd known = s.weight.col(photo);
