@@ -2,8 +2,8 @@
 # all link lists together are the order of docs/developer/architecture.md, which tests/architecture checks.
 
 # tangi_room([COLD] HEADERS … SOURCES … VECTOR … LINK … PRIVATE …), in the room's folder A/B: the library tangi::A_B.
-#   COLD     of texts, files and windows rather than pixels: -O1 compiles it in four fifths of the time, and with the
-#            sanitizers -Og in two thirds
+#   COLD     of texts, files and windows rather than pixels: -O1 compiles it in three quarters of the time, and
+#            with the sanitizers -Og in seven tenths
 #   VECTOR   those of SOURCES whose loops are to become vector instructions (TP_VECTOR_OPTIONS)
 #   LINK     rooms and packages that the headers show; PRIVATE: packages that only the sources use
 function(tangi_room)

@@ -97,8 +97,7 @@ Block usable_block(const AlignmentWindow& window, const std::vector<std::size_t>
     return block;
 }
 
-// The principal components of a block, weakest first.
-// [][component] from the weakest.
+// [][component] The principal components of a block, weakest first.
 Eigen::MatrixXd components_of(const Block& block) {
     return symmetric_eigen(block * block.transpose() / kArea).vectors;
 }

@@ -1,5 +1,5 @@
 // symmetric_eigen.h: eigenvalues and eigenvectors of real symmetric matrices, by Eigen's solver. Its
-// templates take eight seconds to compile in each source that uses them; here they are compiled once.
+// templates take seconds to compile in each source that uses them; here they are compiled once.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@ struct SymmetricEigen {
 
 // Of the lower triangle. NaN where the matrix has any.
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix);
-Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix);  // ascending; in a third of the time
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix);  // ascending
 
 // Orthonormal columns that span what a few columns span: fewer than these where they are dependent, which
 // are those whose singular values are below a millionth of the largest (floats are exact to 6e-8).

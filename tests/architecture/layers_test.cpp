@@ -59,6 +59,17 @@ TEST(Layers, OfNumbersThatAreTypedIsOne) {
     }
 }
 
+// nlohmann's own reader and writer take seconds to compile in each room that calls them, know no limits, and
+// throw at text that is no UTF-8.
+TEST(Layers, OfTextThatIsJsonIsOne) {
+    for (const auto& [path, text] : repository()) {
+        if (!kModules.contains(module_of(path)) || path.starts_with("surface/base/json_")) continue;
+        for (const char* call : {"json::parse(", "json::accept(", ".dump("})
+            EXPECT_EQ(text.find(call), std::string::npos)
+                << path << ": " << call << " has its place in surface/base/json_text.h and json_reading.h";
+    }
+}
+
 TEST(Layers, OfEveryFolderWithSourcesHaveARule) {
     // Tests, benchmarks and targets of the fuzzer may use everything.
     for (const auto& entry : fs::directory_iterator(TP_SOURCE_DIR)) {
