@@ -15,7 +15,7 @@
 //                      ("memory BYTES") instead of the calls
 //   TP_FAULT_TIME      [s] since 1970, all the time
 //
-// Counted are open for writing, write, fsync, rename, mkdir, unlink, ftruncate, and their kin. Nothing here
+// All of this from main() on: what libraries do before is no concern of the program's. Counted are open for writing, write, fsync, rename, mkdir, unlink, ftruncate, and their kin. Nothing here
 // allocates.
 #include <dirent.h>
 #include <dlfcn.h>
@@ -53,6 +53,7 @@ Function real(const char* name) {
 }
 
 bool is_under(const char* path) {
+    if (!program_has_begun) return false;
     static const char* const folder = getenv("TP_FAULT_UNDER");
     if (!folder || !path) return false;
     const size_t length = strlen(folder);
@@ -169,8 +170,8 @@ bool is_for_writing(int flags) {
 Call call_of_open(int flags) { return {"open", (flags & O_CREAT) != 0, !is_for_writing(flags)}; }
 
 bool memory_fails(size_t bytes) {
-    static const long at = number("TP_FAULT_MEMORY_AT", 0);
     if (!program_has_begun || bytes < kLarge || !traces_memory()) return false;
+    static const long at = number("TP_FAULT_MEMORY_AT", 0);
     if (at == 0) {
         char size[32];
         snprintf(size, sizeof size, "%zu", bytes);
@@ -182,8 +183,17 @@ bool memory_fails(size_t bytes) {
 }
 
 long frozen_s() {
+    if (!program_has_begun) return -1;
     static const long s = number("TP_FAULT_TIME", -1);
     return s;
+}
+
+using Main = int (*)(int, char**, char**);
+Main main_of_program = nullptr;
+
+int main_with_faults(int count, char** words, char** environment) {
+    program_has_begun = true;
+    return main_of_program(count, words, environment);
 }
 
 }  // namespace
@@ -297,11 +307,11 @@ int posix_memalign(void** to, size_t alignment, size_t bytes) {
     return *to ? 0 : ENOMEM;
 }
 
-int __libc_start_main(int (*main)(int, char**, char**), int count, char** words, void (*begin)(),
-                      void (*end)(), void (*at_exit)(), void* stack_end) {
-    program_has_begun = true;
+int __libc_start_main(Main main, int count, char** words, void (*begin)(), void (*end)(), void (*at_exit)(),
+                      void* stack_end) {
+    main_of_program = main;
     static const auto next = real<decltype(&__libc_start_main)>("__libc_start_main");
-    return next(main, count, words, begin, end, at_exit, stack_end);
+    return next(main_with_faults, count, words, begin, end, at_exit, stack_end);
 }
 
 time_t time(time_t* to) {

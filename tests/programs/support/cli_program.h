@@ -21,6 +21,7 @@
 #include "surface/base/json_reading.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
+#include "tests/programs/support/program_server.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {
@@ -53,6 +54,12 @@ struct Conditions {
     std::vector<int> closed{};                         // file descriptors, as after 2>&-
     std::vector<int> ignored_signals{};                // as under nohup
     std::chrono::seconds timeout{60};
+
+    // Nothing that the kernel or the loader takes up at a start (execve) only, or that the library does not know of.
+    bool takes_a_fork() const {
+        return !largest_file && !memory && !bound_by_permissions && !stdout_to && !stderr_to && !stderr_is_unread &&
+               closed.empty() && ignored_signals.empty();
+    }
 };
 
 // A program that runs. Killed where it is neither waited for nor done.
@@ -70,9 +77,18 @@ public:
             const std::string text = *entry;
             if (!conditions.environment.contains(text.substr(0, text.find('=')))) environment.push_back(text);
         }
-        const std::vector<char*> argv = pointers(words), envp = pointers(environment);
-        pid_ = ::fork();
-        if (pid_ == 0) become(conditions, out[1], err[1], argv, envp);
+        const auto preloaded = conditions.environment.find("LD_PRELOAD");
+        const ProgramServer* server =
+            program == TP_PROGRAM && conditions.takes_a_fork()
+                ? ProgramServer::with_preloaded(preloaded == conditions.environment.end() ? "" : preloaded->second)
+                : nullptr;
+        if (server) {
+            pid_ = server->start(words, environment, conditions.cwd.string(), out[1], err[1]);
+        } else {
+            const std::vector<char*> argv = pointers(words), envp = pointers(environment);
+            pid_ = ::fork();
+            if (pid_ == 0) become(conditions, out[1], err[1], argv, envp);
+        }
         ::close(out[1]);
         ::close(err[1]);
         readers_.emplace_back(drain, out[0], &result_.out);
