@@ -1,11 +1,12 @@
 #include "capture/registration/edge_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 #include "surface/base/parallel.h"
 #include "surface/image/opencv_view.h"
@@ -86,20 +87,64 @@ bool holds_most(const CircleSearch& search, const dvec2& centre, double radius) 
     return static_cast<double>(inside) >= kMostInside * static_cast<double>(search.inside.size());
 }
 
+// A direction from a circle's centre, and cosine and sine of twice its angle.
+struct Spoke {
+    dvec2 normal;
+    float cos_2, sin_2;
+};
+
+constexpr int kFewestAngles = 48, kMostAngles = 256;
+
+// So many directions, evenly spread.
+std::span<const Spoke> spokes(int count) {
+    static const auto all = [] {
+        std::array<std::vector<Spoke>, kMostAngles + 1> counts;
+        for (std::size_t n = kFewestAngles; n < counts.size(); ++n)
+            for (std::size_t i = 0; i < n; ++i) {
+                const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+                const dvec2 normal(std::cos(angle), std::sin(angle));
+                counts[n].push_back({normal, static_cast<float>(normal.x * normal.x - normal.y * normal.y),
+                                     static_cast<float>(2 * normal.x * normal.y)});
+            }
+        return counts;
+    }();
+    return all[static_cast<std::size_t>(count)];
+}
+
+// [1 per pixel] Of an edge across a spoke, at a place in the picture: what lies across less what lies along, so that
+// noise, which has no direction, counts for nothing.
+float strength_across(const EdgeField& field, const dvec2& place, const Spoke& spoke) {
+    const int x = static_cast<int>(place.x), y = static_cast<int>(place.y);
+    const int right = std::min(x + 1, field.width() - 1), below = std::min(y + 1, field.height() - 1);
+    const float u = static_cast<float>(place.x) - static_cast<float>(x),
+                v = static_cast<float>(place.y) - static_cast<float>(y);
+    const Vec3 t = (1 - v) * ((1 - u) * field.tensor(x, y) + u * field.tensor(right, y)) +
+                   v * ((1 - u) * field.tensor(x, below) + u * field.tensor(right, below));
+    return std::max(0.0f, spoke.cos_2 * (t.x - t.z) + spoke.sin_2 * 2 * t.y);
+}
+
 // Climbs to the best score nearby.
 Circle climbed(const EdgeField& field, Circle circle) {
+    glm::ivec3 from(4);  // the steps to here from where neighbours were tried last: those are no better
     for (double step = std::max(1.0, circle.radius_px / 16); step > 0.2;) {
         Circle best = circle;
+        glm::ivec3 best_move(0);
         for (int i = 0; i < 27; ++i) {
-            const dvec2 centre = circle.centre_px + step * dvec2(i % 3 - 1, i / 3 % 3 - 1);
-            const double radius = circle.radius_px + step * (i / 9 - 1);
+            const glm::ivec3 move(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+            const glm::ivec3 before = glm::abs(from + move);
+            if (i == 13 || std::max({before.x, before.y, before.z}) <= 1) continue;
+            const dvec2 centre = circle.centre_px + step * dvec2(move);
+            const double radius = circle.radius_px + step * move.z;
             const double score = outline_score(field, centre, radius);
-            if (score > best.score) best = {centre, radius, score};
+            if (score > best.score) best = {centre, radius, score}, best_move = move;
         }
-        if (best.score > circle.score)
+        if (best.score > circle.score) {
             circle = best;
-        else
+            from = best_move;
+        } else {
             step /= 2;
+            from = glm::ivec3(4);
+        }
     }
     return circle;
 }
@@ -123,17 +168,6 @@ float dark_noise(const Image<float>& photo) {
     return *middle / (0.6745f * std::sqrt(6.0f));
 }
 
-float EdgeField::across(const dvec2& place, const dvec2& normal) const {
-    const int x = static_cast<int>(std::floor(place.x)), y = static_cast<int>(std::floor(place.y));
-    const float u = static_cast<float>(place.x) - static_cast<float>(x),
-                v = static_cast<float>(place.y) - static_cast<float>(y);
-    const Vec3 t = (1 - v) * ((1 - u) * tensor.clamped(x, y) + u * tensor.clamped(x + 1, y)) +
-                   v * ((1 - u) * tensor.clamped(x, y + 1) + u * tensor.clamped(x + 1, y + 1));
-    const float c = static_cast<float>(normal.x * normal.x - normal.y * normal.y);
-    const float s = static_cast<float>(2 * normal.x * normal.y);
-    return std::max(0.0f, c * (t.x - t.z) + s * 2 * t.y);
-}
-
 EdgeField edge_field(std::span<const Image<float>> photos, float step) {
     EdgeField field{Image<Vec3>(photos.front().width(), photos.front().height())};
     for (const Image<float>& photo : photos)
@@ -143,25 +177,24 @@ EdgeField edge_field(std::span<const Image<float>> photos, float step) {
 
 double outline_score(const EdgeField& field, const dvec2& centre, double radius) {
     if (!(radius > 2)) return 0;
-    const int angles = std::clamp(static_cast<int>(4 * radius), 48, 256);
-    const auto strength = [&](const dvec2& normal, double r) -> std::optional<double> {
-        const dvec2 place = centre + r * normal;
-        if (place.x < 0 || place.y < 0 || place.x > field.width() - 1 || place.y > field.height() - 1)
-            return {};
-        return std::min(1.0, field.across(place, normal) / kEdge);
-    };
+    const int angles = std::clamp(static_cast<int>(4 * radius), kFewestAngles, kMostAngles);
+    const std::array radii = {radius, 1.10 * radius + 2, 1.17 * radius + 2, 1.24 * radius + 2};
     double sum = 0;
     int in_picture = 0;
-    for (int i = 0; i < angles; ++i) {
-        const double angle = 2 * std::numbers::pi * i / angles;
-        const dvec2 normal(std::cos(angle), std::sin(angle));
-        const auto here = strength(normal, radius);
-        if (!here) continue;
+    for (const Spoke& spoke : spokes(angles)) {
+        std::array<double, radii.size()> strengths{};
+        for (std::size_t k = 0; k < radii.size(); ++k) {
+            const dvec2 place = centre + radii[k] * spoke.normal;
+            if (place.x >= 0 && place.y >= 0 && place.x <= field.width() - 1 && place.y <= field.height() - 1)
+                strengths[k] = std::min(1.0, strength_across(field, place, spoke) / kEdge);
+            else if (k == 0)
+                strengths[k] = -1;
+            if (strengths[0] < 0) break;
+        }
+        if (strengths[0] < 0) continue;
         ++in_picture;
-        double outside = 0;
-        for (const double factor : {1.10, 1.17, 1.24})
-            outside += strength(normal, factor * radius + 2).value_or(0) / 3;
-        sum += *here - kQuietOutside * outside;
+        const double outside = strengths[1] / 3 + strengths[2] / 3 + strengths[3] / 3;
+        sum += strengths[0] - kQuietOutside * outside;
     }
     return 2 * in_picture < angles ? 0 : std::max(0.0, sum / in_picture);
 }
@@ -260,10 +293,13 @@ std::vector<Circle> find_circles(const EdgeField& field, const CircleSearch& sea
     for (const auto& circles : found) all.insert(all.end(), circles.begin(), circles.end());
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
     all.resize(std::min<std::size_t>(all.size(), 150));
-    for (Circle& circle : all) {
-        circle.score = outline_score(field, circle.centre_px, circle.radius_px);
-        circle = climbed(field, circle);
-    }
+    parallel_for(0, static_cast<int>(all.size()), 1, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            Circle& circle = all[static_cast<std::size_t>(i)];
+            circle.score = outline_score(field, circle.centre_px, circle.radius_px);
+            circle = climbed(field, circle);
+        }
+    });
     return distinct(std::move(all), search);
 }
 

@@ -18,9 +18,6 @@ struct EdgeField {
 
     int width() const { return tensor.width(); }
     int height() const { return tensor.height(); }
-    // [1 per pixel] Strength of an edge across `normal` at a place: what lies across less what lies along, so
-    // that noise, which has no direction, counts for nothing.
-    float across(const glm::dvec2& place, const glm::dvec2& normal) const;
 };
 
 // `step` is what one code of the file is worth: differences of that size are no edges.
