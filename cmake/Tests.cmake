@@ -1,25 +1,5 @@
 # Tests.cmake: tangi_tests(), which makes programs of tests and tells ctest of them.
 
-# What the sanitizers leave out: half a minute and more each there, and shorter tests reach the same code.
-set(TP_LONG_TESTS
-    "AForeignPhotograph." "AreaSuggestion.DoesNotDepend" "AreaSuggestion.FindsNothing"
-    "CameraMotions.FindsZoomAndRoll" "Crevices.AreNoBlack" "DamageSuggestion.DoesNotDepend"
-    "DamageSuggestion.TellsVarnish" "DiffuseSphere.IsWhereAnIdeal" "ExchangedLights." "FitExposure."
-    "FitPainting.BandsAreInvisible" "FitPainting.DoesNotDepend" "FitPainting.FindsHow" "FitPainting.FindsTheColour"
-    "FitPainting.HeldOutPhotographs" "FitPainting.LeavesLobes" "FitPainting.MirroredPhotographs"
-    "FitPainting.RecoversAGlossyPainting" "FitPainting.Reports" "FitPainting.Subtracts" "FitPainting.TakesLobes"
-    "FitPainting.TheSecondPassOfMirrored" "FitPainting.WithNearUnequal" "FitPasses.Heavy"
-    "FitWhiteBalance.ThatChanges" "Height.LongWaves" "HeightCoverage." "Landscape." "LargePictures." "LightBeams."
-    "LightCalibration." "LightDirections." "LightOutlierVote." "LightPixels." "MirrorSphere.IsFollowed"
-    "MirrorSphere.IsMissing" "MirrorSphere.IsNoneThatShows" "MirrorSphere.IsNoneWhoseSpots" "MirrorSphere.IsOfTheSize"
-    "MirrorSphere.LeavesOut" "MirrorSphere.WithRings" "MirrorSpheres." "PhotoMisfit.FocusThatDrifts"
-    "PhotoMisfit.Honest" "PhotoMisfit.LightThatDidNotFire" "PhotoMisfit.VeilIsMeasured" "ReflectanceModelSelection."
-    "RegisterStack.Fails" "RegisterStack.FindsTheOne" "RegisterStack.IsTheSame" "RegisterStack.NamesAPhotograph"
-    "RegisterStack.RecoversShiftsOfMany" "RegisterStack.StatedErrors" "SphereCalibration.Names"
-    "SphereFocal.NumbersThatContradict" "SphereFocal.OfOneSphereAside" "StillLife.IsTheSame"
-    "TransferEstimate.FindsAGamma" "TransferEstimate.FindsATone" "TransferEvidence.OfADome" "TransferEvidence.OfRings"
-    "Uncalibrated.NearLights")
-
 # What .ci/run leaves out: measurements on whole stacks and recoveries that take a minute and more, of which shorter tests
 # reach the same code. script/test runs them all.
 set(TP_LONG_FILES
@@ -47,27 +27,24 @@ set(TP_OPTIMISED_FILES
     viewer/render/renderer_test.cpp)
 
 # Filters of gtest for the tests of a file: those that the sanitizers run (<file>_plain), those that are too long for them
-# (<file>_long), and those that need data that is not in the repository, in suites named Data* (<file>_data).
+# (<file>_long: marked TP_LONG), and those that need data that is not in the repository, in suites named Data* (<file>_data).
 function(tangi_sort_tests file)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
     file(READ ${file} text)
-    string(REGEX MATCHALL "\nTEST(_[FP])?\\([A-Za-z0-9_]+,[ \n]*[A-Za-z0-9_]+\\)" tests "${text}")
+    string(REGEX MATCHALL "\n(TP_LONG )?TEST(_[FP])?\\([A-Za-z0-9_]+,[ \n]*[A-Za-z0-9_]+\\)" tests "${text}")
     set(plain "")
     set(long "")
     set(data "")
     foreach(test IN LISTS tests)
-        string(REGEX REPLACE "\nTEST[^(]*\\(([A-Za-z0-9_]+),[ \n]*([A-Za-z0-9_]+)\\)" "\\1.\\2" name "${test}")
+        string(REGEX REPLACE "\n[^(]*\\(([A-Za-z0-9_]+),[ \n]*([A-Za-z0-9_]+)\\)" "\\1.\\2" name "${test}")
         set(filter ":${name}")
         if(test MATCHES "TEST_P")
             set(filter ":*/${name}/*")
         endif()
         set(kind plain)
-        foreach(beginning IN LISTS TP_LONG_TESTS)
-            string(FIND "${name}" "${beginning}" place)
-            if(place EQUAL 0)
-                set(kind long)
-            endif()
-        endforeach()
+        if(test MATCHES "TP_LONG")
+            set(kind long)
+        endif()
         if(name MATCHES "^Data")
             set(kind data)
         endif()

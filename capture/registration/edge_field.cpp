@@ -111,8 +111,8 @@ std::span<const Spoke> spokes(int count) {
     return all[static_cast<std::size_t>(count)];
 }
 
-// [1 per pixel] Of an edge across a spoke, at a place in the picture: what lies across less what lies along, so that
-// noise, which has no direction, counts for nothing.
+// [1 per pixel] Of an edge across a spoke, at a place in the picture: what lies across less what lies along,
+// so that noise, which has no direction, counts for nothing.
 float strength_across(const EdgeField& field, const dvec2& place, const Spoke& spoke) {
     const int x = static_cast<int>(place.x), y = static_cast<int>(place.y);
     const int right = std::min(x + 1, field.width() - 1), below = std::min(y + 1, field.height() - 1);

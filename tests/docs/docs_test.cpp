@@ -52,7 +52,7 @@ TEST(Docs, AreInShortSentences) {
     EXPECT_GT(seen, 8);
 }
 
-TEST(Docs, NameTestsThatAreThere) {
+TP_LONG TEST(Docs, NameTestsThatAreThere) {
     std::set<std::string> tests;
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(TP_SOURCE_DIR) / "tests"))
         if (entry.path().extension() == ".cpp") tests.merge(tests_in(text_of(entry.path())));

@@ -15,8 +15,8 @@
 //                      ("memory BYTES") instead of the calls
 //   TP_FAULT_TIME      [s] since 1970, all the time
 //
-// All of this from main() on: what libraries do before is no concern of the program's. Counted are open for writing, write, fsync, rename, mkdir, unlink, ftruncate, and their kin. Nothing here
-// allocates.
+// All of this from main() on: what libraries do before is no concern of the program's. Counted are open for
+// writing, write, fsync, rename, mkdir, unlink, ftruncate, and their kin. Nothing here allocates.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>

@@ -6,6 +6,7 @@
 #include "capture/formats/capture_file.h"
 #include "capture/geometry/plane_pose.h"
 #include "tests/support/capture/marker_pictures.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -61,7 +62,7 @@ TEST(PlaneCalibration, ThePoseOfAPlaneIsThatOfTheCameraThatSawIt) {
 }
 
 // Lights are known in the camera's frame, as spheres tell them; the picture's frame is the painting's.
-TEST(PlaneCalibration, MarkersRectifyAndCarryLightsAndCameraIntoThePaintingsFrame) {
+TP_LONG TEST(PlaneCalibration, MarkersRectifyAndCarryLightsAndCameraIntoThePaintingsFrame) {
     const View view(0.22, -0.12, 0.04);
     const TestDir dir;
     const std::vector<std::filesystem::path> photos = {photograph(dir, view.homography)};

@@ -110,7 +110,7 @@ TEST(FullScale, IsThatOfTheFileWhereNothingIsClippedBelowIt) {
 }
 
 // As programs write that make floats of codes, and others that encode floats.
-TEST(FullScale, OfFloatsThatAreCodesIsFound) {
+TP_LONG TEST(FullScale, OfFloatsThatAreCodesIsFound) {
     const StoredAs kinds[] = {{OIIO::TypeDesc::FLOAT, 255, kScaleSrgb, 1, true},
                               {OIIO::TypeDesc::FLOAT, 4095, {}, 1, true},
                               {OIIO::TypeDesc::FLOAT, 65535, kScaleSrgb, 0.8, true},

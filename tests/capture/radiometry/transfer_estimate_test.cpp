@@ -106,7 +106,7 @@ TEST(DataTransferEstimate, AgreesWithWhatIsKnownOfTheStacks) {
     }
 }
 
-TEST(TransferEstimate, FindsAGammaThatIsNoneOfTheUsual) {
+TP_LONG TEST(TransferEstimate, FindsAGammaThatIsNoneOfTheUsual) {
     for (const double gamma : {1.4, 1.8, 2.8}) {
         const TestDir dir;
         write_matt_stack(dir, {Transfer::Kind::gamma, gamma}, 0.002, {.bits = 16});
@@ -131,7 +131,7 @@ double difference_up_to_scale(const Transfer& a, const Transfer& b) {
     return largest;
 }
 
-TEST(TransferEstimate, FindsAToneCurve) {
+TP_LONG TEST(TransferEstimate, FindsAToneCurve) {
     for (const Transfer& truth :
          {Transfer{Transfer::Kind::curve, 1.4, 0, 3.4}, Transfer{Transfer::Kind::curve, 0.8, 2.5, 0}}) {
         const TestDir dir;
@@ -168,7 +168,7 @@ TEST(TransferEstimate, WarnsWhereLinearAndEncodedFitAlike) {
 
 // Lights at one and a half picture widths, of unequal strength, and light between relief: seen as if they
 // were equal, sRGB looks like a gamma of about 1.5.
-TEST(TransferEstimate, NearLightsDoNotContradictWhatFilesState) {
+TP_LONG TEST(TransferEstimate, NearLightsDoNotContradictWhatFilesState) {
     const TestDir dir;
     const PaintingTruth truth =
         procedural_painting({.seed = 3198, .width = 220, .height = 160, .mm_per_pixel = 0.4, .impasto = 0.3});
@@ -187,7 +187,7 @@ TEST(TransferEstimate, NearLightsDoNotContradictWhatFilesState) {
 }
 
 // Four photographs have one number a pixel more than a matt pixel has: gloss and shadows decide then.
-TEST(TransferEstimate, IsOpenWhereFourPhotographsHardlyTell) {
+TP_LONG TEST(TransferEstimate, IsOpenWhereFourPhotographsHardlyTell) {
     const auto of = [](int lights, const auto& use) {
         const TestDir dir;
         const PaintingTruth truth = procedural_painting({.seed = 3, .width = 160, .height = 120});

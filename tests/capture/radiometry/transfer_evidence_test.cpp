@@ -60,7 +60,7 @@ double probability(const TransferEstimate& e, const Transfer& transfer) {
 }
 
 // In one ring, or few of them, gloss bends the shading as a curve does.
-TEST(TransferEvidence, OfRingsIsRightOrToldWithTheTruthAmongTheRest) {
+TP_LONG TEST(TransferEvidence, OfRingsIsRightOrToldWithTheTruthAmongTheRest) {
     int told = 0, quiet = 0;
     for (const int lights : {5, 8, 12, 16})
         for (const Reflectance reflectance : {Reflectance::lambert, Reflectance::ggx}) {
@@ -89,7 +89,7 @@ TEST(TransferEvidence, OfRingsIsRightOrToldWithTheTruthAmongTheRest) {
 }
 
 // Lights at many heights tell, glossy paint or gilded.
-TEST(TransferEvidence, OfADomeIsRight) {
+TP_LONG TEST(TransferEvidence, OfADomeIsRight) {
     for (const bool gilded : {false, true})
         for (const Reflectance reflectance : {Reflectance::lambert, Reflectance::ggx}) {
             if (gilded && reflectance == Reflectance::lambert) continue;
@@ -130,7 +130,7 @@ TEST(TransferEvidence, OfLightsIsNotCertainWhereMetalShines) {
 
 // Lights of which the strongest is four times as strong as the weakest are no curve: surfaces are found with
 // their strengths, not as if these were equal.
-TEST(TransferEvidence, OfUnequalLightsIsNoCurve) {
+TP_LONG TEST(TransferEvidence, OfUnequalLightsIsNoCurve) {
     GeneratorOptions options{.seed = 5, .lights = 24};
     options.gain_min = 0.5, options.gain_max = 2, options.white_level = 0.4;
     const LinearStack photographs(options);
@@ -148,7 +148,7 @@ TEST(TransferEvidence, OfUnequalLightsIsNoCurve) {
 }
 
 // Where all slopes are small, none is another with another curve.
-TEST(TransferEvidence, OfAFlatPaintingMakesNothingPoor) {
+TP_LONG TEST(TransferEvidence, OfAFlatPaintingMakesNothingPoor) {
     const LinearStack photographs(ring(8, Reflectance::lambert),
                                   {.weave_mm = 0, .impasto = 0.02, .craquelure = 0, .losses = false});
     for (const Transfer& truth : kStored)

@@ -174,7 +174,7 @@ TEST(DecidedTransfer, IsEstimatedWhereTheFilesSayNothing) {
     EXPECT_THAT(d.warning, IsEmpty());
 }
 
-TEST(DecidedTransfer, IsTheProfilesInEveryFormatThatHasOne) {
+TP_LONG TEST(DecidedTransfer, IsTheProfilesInEveryFormatThatHasOne) {
     for (const char* extension : {".jpg", ".png", ".tif"}) {
         const TransferEstimate d =
             SaidStack({Transfer::Kind::gamma, 1.8}, extension, [](int, OIIO::ImageSpec& spec) {

@@ -8,6 +8,7 @@
 #include "datasets/generator.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/capture/chart_pictures.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -264,9 +265,9 @@ void expect_honest(const Change& change, bool gilding) {
         }
 }
 
-TEST(RenderedWhiteBalances, OfPaintAreAlike) { expect_honest(as_painted, false); }
-TEST(RenderedWhiteBalances, OfAVarnishedBoardAreAlike) { expect_honest(brown_board, false); }
-TEST(RenderedWhiteBalances, OfAGoldGroundAreAlike) { expect_honest(gold_ground, true); }
+TP_LONG TEST(RenderedWhiteBalances, OfPaintAreAlike) { expect_honest(as_painted, false); }
+TP_LONG TEST(RenderedWhiteBalances, OfAVarnishedBoardAreAlike) { expect_honest(brown_board, false); }
+TP_LONG TEST(RenderedWhiteBalances, OfAGoldGroundAreAlike) { expect_honest(gold_ground, true); }
 
 // Where photographs are of another colour this is said, whatever they show, and those that are not are left.
 template <class Change>

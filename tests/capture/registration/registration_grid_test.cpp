@@ -84,7 +84,7 @@ protected:
     TestDir dir_;
 };
 
-TEST_F(LargePictures, HeldOutAreRegisteredAndHaveNoSay) {
+TP_LONG TEST_F(LargePictures, HeldOutAreRegisteredAndHaveNoSay) {
     photograph(0);
     Stack some = open_stack(dir_.path()), only = some;
     hold_out(some, "4:4");
@@ -103,7 +103,7 @@ TEST_F(LargePictures, HeldOutAreRegisteredAndHaveNoSay) {
         EXPECT_EQ(with.photos[i].homography, without.photos[i].homography) << i;
 }
 
-TEST_F(LargePictures, HeldOutAreFollowedAsFarAsTheOthers) {
+TP_LONG TEST_F(LargePictures, HeldOutAreFollowedAsFarAsTheOthers) {
     const int px = 24;
     photograph(px);
     Stack stack = open_stack(dir_.path());

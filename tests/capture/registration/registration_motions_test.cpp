@@ -7,6 +7,7 @@
 #include "capture/registration/camera_motion.h"
 #include "capture/registration/registration.h"
 #include "tests/support/capture/registration_scenes.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -41,7 +42,7 @@ RegistrationScene scene_of(const KnownMotion& known) {
 
 class RegisterStackThat : public testing::TestWithParam<KnownMotion> {};
 
-TEST_P(RegisterStackThat, IsUndoneToTheErrorThatIsStated) {
+TP_LONG TEST_P(RegisterStackThat, IsUndoneToTheErrorThatIsStated) {
     const KnownMotion& known = GetParam();
     const RegistrationScene scene = scene_of(known);
     Stack stack = open_stack(scene.folder.path());
@@ -84,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& scene) { return std::string(scene.param.name); });
 
 // What calibration finds before it knows any light.
-TEST(CameraMotions, FindsZoomAndRollWithoutAnyShift) {
+TP_LONG TEST(CameraMotions, FindsZoomAndRollWithoutAnyShift) {
     for (const MotionVector& last : {MotionVector{0, 0, 1.9}, MotionVector{0, 0, 0, 1.63}, MotionVector{}}) {
         const RegistrationScene scene(12, [&](int i) {
             MotionVector m = last;

@@ -5,6 +5,7 @@
 
 #include "capture/registration/registration.h"
 #include "tests/support/capture/registration_scenes.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -22,14 +23,14 @@ std::string warnings_with(const std::vector<int>& replaced, const Image<Rgb>& by
     return all;
 }
 
-TEST(RegisterStack, NamesABlackPhotographAndGoesOn) {
+TP_LONG TEST(RegisterStack, NamesABlackPhotographAndGoesOn) {
     std::size_t left = 0;
     EXPECT_THAT(warnings_with({4}, Image<Rgb>(kWidth, kHeight, Rgb(0)), left),
                 testing::AllOf(testing::HasSubstr("photo_004.png"), testing::HasSubstr("rejected 1")));
     EXPECT_EQ(left, 11u);
 }
 
-TEST(RegisterStack, NamesAPhotographOfSomethingElseAndGoesOn) {
+TP_LONG TEST(RegisterStack, NamesAPhotographOfSomethingElseAndGoesOn) {
     std::size_t left = 0;
     EXPECT_THAT(warnings_with({6}, another_scene(), left), testing::HasSubstr("photo_006.png"));
     EXPECT_EQ(left, 11u);
@@ -39,7 +40,7 @@ TEST(RegisterStack, NamesAPhotographOfSomethingElseAndGoesOn) {
 // Where it stands decides what the first reference is, and what its neighbours are compared with.
 class AForeignPhotograph : public testing::TestWithParam<std::pair<int, bool>> {};
 
-TEST_P(AForeignPhotograph, MovesNoOther) {
+TP_LONG TEST_P(AForeignPhotograph, MovesNoOther) {
     const auto [foreign, moves] = GetParam();
     const RegistrationScene scene(24, moves ? 1.5 : 0, 0);
     const std::string name = fmt::format("photo_{:03d}.png", foreign);
@@ -66,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(RegisterStack, AForeignPhotograph,
 // Two lines of the lights file are exchanged: both photographs show the painting, under another light.
 class ExchangedLights : public testing::TestWithParam<std::pair<std::size_t, double>> {};
 
-TEST_P(ExchangedLights, AreNoMotionAndNoReasonToLeavePhotographsOut) {
+TP_LONG TEST_P(ExchangedLights, AreNoMotionAndNoReasonToLeavePhotographsOut) {
     const auto [other, shift_px] = GetParam();
     const RegistrationScene scene(16, shift_px, 0, painting(), 10, Arrangement::spiral);
     Stack stack = open_stack(scene.folder.path());
@@ -95,7 +96,7 @@ TEST_P(ExchangedLights, AreNoMotionAndNoReasonToLeavePhotographsOut) {
 INSTANTIATE_TEST_SUITE_P(RegisterStack, ExchangedLights,
                          testing::Values(std::pair(1, 0.0), std::pair(4, 0.0), std::pair(1, 1.0)));
 
-TEST(RegisterStack, FailsWhereTooFewShowTheSame) {
+TP_LONG TEST(RegisterStack, FailsWhereTooFewShowTheSame) {
     const RegistrationScene scene(5, 1, 0);
     for (const int i : {1, 2, 3})
         write_picture(scene.folder / fmt::format("photo_{:03d}.png", i), Image<Rgb>(kWidth, kHeight, Rgb(0)),

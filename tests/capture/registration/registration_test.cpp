@@ -11,6 +11,7 @@
 #include "surface/base/parallel.h"
 #include "surface/image/local_contrast.h"
 #include "tests/support/capture/registration_scenes.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -25,7 +26,7 @@ const RegistrationScene& still() {
     return scene;
 }
 
-TEST(RegisterStack, RecoversShiftsAndTurnsUnderMovingLights) {
+TP_LONG TEST(RegisterStack, RecoversShiftsAndTurnsUnderMovingLights) {
     Stack stack = open_stack(shaken().folder.path());
     const Registration r = register_stack(stack, {});
     EXPECT_TRUE(r.moved);
@@ -49,7 +50,7 @@ TEST(RegisterStack, RecoversShiftsAndTurnsUnderMovingLights) {
 }
 
 // Of all photographs of stacks that moved by little and by much.
-TEST(RegisterStack, StatedErrorsCoverTheTruth) {
+TP_LONG TEST(RegisterStack, StatedErrorsCoverTheTruth) {
     int within1 = 0, within2 = 0, all = 0;
     double squares = 0;
     const auto count = [&](const RegistrationScene& scene) {
@@ -75,7 +76,7 @@ TEST(RegisterStack, StatedErrorsCoverTheTruth) {
     EXPECT_GE(std::sqrt(squares / all), 0.5);  // nor are they much too large
 }
 
-TEST(RegisterStack, RecoversShiftsOfManyPixels) {
+TP_LONG TEST(RegisterStack, RecoversShiftsOfManyPixels) {
     const RegistrationScene scene(24, 8, 0);
     Stack stack = open_stack(scene.folder.path());
     const Registration r = register_stack(stack, {});
@@ -83,7 +84,7 @@ TEST(RegisterStack, RecoversShiftsOfManyPixels) {
     EXPECT_LE(scene.rms_jitter_px(r), 0.1);
 }
 
-TEST(RegisterStack, FindsNoMotionWhereThereIsNone) {
+TP_LONG TEST(RegisterStack, FindsNoMotionWhereThereIsNone) {
     Stack stack = open_stack(still().folder.path());
     const Registration r = register_stack(stack, {});
     EXPECT_FALSE(r.moved);
@@ -94,7 +95,7 @@ TEST(RegisterStack, FindsNoMotionWhereThereIsNone) {
 }
 
 // Of few photographs, the mean of the others is all that one can be laid onto: relief looks like motion.
-TEST(RegisterStack, FindsNoMotionInAFewPhotographs) {
+TP_LONG TEST(RegisterStack, FindsNoMotionInAFewPhotographs) {
     const PaintingTruth rough = procedural_painting({.seed = 3,
                                                      .width = 2 * (kWidth + 2 * kBorder),
                                                      .height = 2 * (kHeight + 2 * kBorder),
@@ -177,7 +178,7 @@ TEST(LocalContrast, IsUnknownWhereBrightnessIsAndNothingOfItBeside) {
     EXPECT_FALSE(sample_at(contrast, {23.5, 25}, value, dx, dy));
 }
 
-TEST(RegisterStack, FindsTheOnePhotographThatMoved) {
+TP_LONG TEST(RegisterStack, FindsTheOnePhotographThatMoved) {
     const RegistrationScene scene(16, 0, 0);
     const RegistrationScene moved(16, 1.5, 0);
     std::filesystem::copy_file(moved.folder / "photo_004.png", scene.folder / "photo_004.png",
@@ -188,7 +189,7 @@ TEST(RegisterStack, FindsTheOnePhotographThatMoved) {
     EXPECT_LE(moved.error_px(r.photos[4].homography, 4), 0.15);
 }
 
-TEST(RegisterStack, RegistersHeldOutPhotographsWithoutTheirSay) {
+TP_LONG TEST(RegisterStack, RegistersHeldOutPhotographsWithoutTheirSay) {
     Stack all = open_stack(shaken().folder.path()), some = all;
     hold_out(some, "5:8");
     Stack only = some;
@@ -204,7 +205,7 @@ TEST(RegisterStack, RegistersHeldOutPhotographsWithoutTheirSay) {
     EXPECT_TRUE(some.held_out[0].homography);
 }
 
-TEST(RegisterStack, IsTheSameOnAnyNumberOfThreads) {
+TP_LONG TEST(RegisterStack, IsTheSameOnAnyNumberOfThreads) {
     std::vector<Homography> first;
     for (const int threads : {1, 3, 0}) {
         set_thread_count(threads);

@@ -6,13 +6,14 @@
 #include <iostream>
 
 #include "tests/support/capture/sphere_pictures.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
 
 using testing::HasSubstr;
 
-TEST(DiffuseSphere, TellsDirectionsAndItsTransferCurve) {
+TP_LONG TEST(DiffuseSphere, TellsDirectionsAndItsTransferCurve) {
     const auto lights = lights_around(8, 45);
     for (const Transfer& transfer : {Transfer{}, Transfer{Transfer::Kind::srgb}}) {
         const TestDir dir;
@@ -28,7 +29,7 @@ TEST(DiffuseSphere, TellsDirectionsAndItsTransferCurve) {
     }
 }
 
-TEST(DiffuseSphere, IsWhereAnIdealCameraWouldSeeIt) {
+TP_LONG TEST(DiffuseSphere, IsWhereAnIdealCameraWouldSeeIt) {
     const TestDir dir;
     SphereScene scene;
     scene.matt = true;
@@ -49,7 +50,7 @@ TEST(DiffuseSphere, IsWhereAnIdealCameraWouldSeeIt) {
               without.spheres[0].image.centre_px);  // as the photographs show it
 }
 
-TEST(DiffuseSphere, IsNotFoundWhereNothingIsShadedLikeOne) {
+TP_LONG TEST(DiffuseSphere, IsNotFoundWhereNothingIsShadedLikeOne) {
     const TestDir dir;
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(5));
     EXPECT_THAT(error_of([&] { calibrate_from_spheres(paths, {.matt = true}); }),

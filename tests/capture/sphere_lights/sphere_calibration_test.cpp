@@ -6,6 +6,7 @@
 
 #include "capture/photo/rejected_photo.h"
 #include "tests/support/capture/sphere_pictures.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -16,7 +17,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-TEST(MirrorSphere, IsFoundAndTellsDirections) {
+TP_LONG TEST(MirrorSphere, IsFoundAndTellsDirections) {
     const TestDir dir;
     const auto lights = lights_around(10);
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights);
@@ -34,7 +35,7 @@ TEST(MirrorSphere, IsFoundAndTellsDirections) {
     }
 }
 
-TEST(MirrorSphere, IsTakenFromACircleOrABox) {
+TP_LONG TEST(MirrorSphere, IsTakenFromACircleOrABox) {
     const TestDir dir;
     const auto lights = lights_around(5);
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights);
@@ -48,7 +49,7 @@ TEST(MirrorSphere, IsTakenFromACircleOrABox) {
     }
 }
 
-TEST(MirrorSphere, IsFollowedWhereTheCameraMoves) {
+TP_LONG TEST(MirrorSphere, IsFollowedWhereTheCameraMoves) {
     const TestDir dir;
     const auto lights = lights_around(8);
     Random random(2);
@@ -67,7 +68,7 @@ TEST(MirrorSphere, IsFollowedWhereTheCameraMoves) {
                                HasSubstr(fmt::format("{:.2f} pixels (rms)", moved.drifts.rms_px)))));
 }
 
-TEST(MirrorSphere, IsTakenFromACameraThatIsSaidToBeFixedAndIs) {
+TP_LONG TEST(MirrorSphere, IsTakenFromACameraThatIsSaidToBeFixedAndIs) {
     const TestDir dir;
     const auto lights = lights_around(8);
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights);
@@ -78,7 +79,7 @@ TEST(MirrorSphere, IsTakenFromACameraThatIsSaidToBeFixedAndIs) {
 }
 
 // It is no motion of the camera, and the light of no photograph.
-TEST(SphereCalibration, NamesAPhotographOfSomethingElse) {
+TP_LONG TEST(SphereCalibration, NamesAPhotographOfSomethingElse) {
     const TestDir dir;
     const auto paint = [](int photo, Image<float>& picture) {
         if (photo != 3) return;
@@ -98,7 +99,7 @@ TEST(SphereCalibration, NamesAPhotographOfSomethingElse) {
     EXPECT_FALSE(calibrate_from_spheres(paths, {}).drifts.moved);
 }
 
-TEST(MirrorSpheres, TellPositionsInPerspective) {
+TP_LONG TEST(MirrorSpheres, TellPositionsInPerspective) {
     const TestDir dir;
     const NearScene near;
     const auto paths = write_sphere_photos(dir.path(), near.scene, near.in_radii, true);
@@ -121,7 +122,7 @@ TEST(MirrorSpheres, TellPositionsInPerspective) {
     for (const CalibratedLight& light : unscaled.lights) EXPECT_FALSE(light.position_mm);
 }
 
-TEST(MirrorSphere, IsMissingWhereOneIsSaidToBe) {
+TP_LONG TEST(MirrorSphere, IsMissingWhereOneIsSaidToBe) {
     const TestDir dir;
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(5));
     EXPECT_THAT(error_of([&] { calibrate_from_spheres(paths, {.spheres = {circle(250, 60, 25)}}); }),
@@ -138,7 +139,7 @@ TEST(MirrorSphere, IsMissingWhereOneIsSaidToBe) {
 }
 
 // Something round with glossy spots all over it is not one, and the result says that it is doubtful.
-TEST(MirrorSphere, IsDoubtedWhereItsHighlightsComeFromBehindThePainting) {
+TP_LONG TEST(MirrorSphere, IsDoubtedWhereItsHighlightsComeFromBehindThePainting) {
     const TestDir dir;
     SphereScene scene;
     scene.strength = 0;
@@ -152,7 +153,7 @@ TEST(MirrorSphere, IsDoubtedWhereItsHighlightsComeFromBehindThePainting) {
     EXPECT_THAT(c.poor, testing::Contains(HasSubstr("lights behind the painting")));
 }
 
-TEST(MirrorSphere, IsNotFoundInPhotographsWithoutOne) {
+TP_LONG TEST(MirrorSphere, IsNotFoundInPhotographsWithoutOne) {
     const TestDir dir;
     SphereScene empty;
     empty.spheres.clear();
@@ -168,7 +169,7 @@ struct Spoilt {
     ChangePicture paint;
 };
 
-TEST(MirrorSphere, LeavesOutPhotographsWhoseHighlightIsNone) {
+TP_LONG TEST(MirrorSphere, LeavesOutPhotographsWhoseHighlightIsNone) {
     const auto at3 = [](auto action) {
         return [action](int i, auto& what) {
             if (i == 3) action(what);
@@ -206,7 +207,7 @@ TEST(MirrorSphere, LeavesOutPhotographsWhoseHighlightIsNone) {
     }
 }
 
-TEST(MirrorSpheres, GoOnWithOneWhereTheOtherShowsNothing) {
+TP_LONG TEST(MirrorSpheres, GoOnWithOneWhereTheOtherShowsNothing) {
     const TestDir dir;
     const NearScene near;
     const auto paths =

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/capture/sphere_pictures.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -30,7 +31,7 @@ struct Wrong {
     SphereCalibrationOptions options;
 };
 
-TEST(SphereFocal, NumbersThatContradictEachOtherAreNamedAndErrorsHoldTheTruth) {
+TP_LONG TEST(SphereFocal, NumbersThatContradictEachOtherAreNamedAndErrorsHoldTheTruth) {
     const TestDir dir;
     const NearScene near;
     const auto paths = write_sphere_photos(dir.path(), near.scene, near.in_radii, true);
@@ -65,7 +66,7 @@ TEST(SphereFocal, NumbersThatContradictEachOtherAreNamedAndErrorsHoldTheTruth) {
                 HasSubstr("do not fit between camera and painting"));
 }
 
-TEST(SphereFocal, IsFoundWhereNobodyGaveIt) {
+TP_LONG TEST(SphereFocal, IsFoundWhereNobodyGaveIt) {
     const TestDir dir;
     const NearScene near;
     const auto paths = write_sphere_photos(dir.path(), near.scene, near.in_radii, true);
@@ -82,7 +83,7 @@ TEST(SphereFocal, IsFoundWhereNobodyGaveIt) {
 
 // One sphere tells a lens from a camera far away by its outline alone, if it is large; a small one says how
 // much it matters.
-TEST(SphereFocal, OfOneSphereAsideIsToldByItsOutlineOrPartOfTheErrors) {
+TP_LONG TEST(SphereFocal, OfOneSphereAsideIsToldByItsOutlineOrPartOfTheErrors) {
     const TestDir dir;
     SphereScene scene;
     scene.camera.focal_px = 450;  // 53 mm (35-mm equivalent)
@@ -105,7 +106,7 @@ TEST(SphereFocal, OfOneSphereAsideIsToldByItsOutlineOrPartOfTheErrors) {
     EXPECT_LT(mean_error_deg(told, lights), 1.5);
 }
 
-TEST(MirrorSphere, IsNotTakenAsGivenWhereItsOutlineIsAnother) {
+TP_LONG TEST(MirrorSphere, IsNotTakenAsGivenWhereItsOutlineIsAnother) {
     const TestDir dir;
     const auto lights = lights_around(6, 45);
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights);
@@ -121,7 +122,7 @@ TEST(MirrorSphere, IsNotTakenAsGivenWhereItsOutlineIsAnother) {
     }
 }
 
-TEST(MirrorSpheres, OfWhichOneShowsLittleAreBothNamed) {
+TP_LONG TEST(MirrorSpheres, OfWhichOneShowsLittleAreBothNamed) {
     const TestDir dir;
     const NearScene near;
     const auto paths =
@@ -143,7 +144,7 @@ TEST(MirrorSpheres, OfWhichOneShowsLittleAreBothNamed) {
 }
 
 // A dark round thing that glitters here and there, beside a relief that shows where the lights were.
-TEST(MirrorSphere, IsNoneWhoseSpotsDoNotFollowTheLight) {
+TP_LONG TEST(MirrorSphere, IsNoneWhoseSpotsDoNotFollowTheLight) {
     const TestDir dir;
     SphereScene scene;
     scene.strength = 0;
@@ -172,7 +173,7 @@ TEST(MirrorSphere, IsNoneWhoseSpotsDoNotFollowTheLight) {
     EXPECT_LT(mean_error_deg(calibrate_from_spheres(good, {.fixed_camera = true}), lights), 0.6);
 }
 
-TEST(MirrorSphere, IsNoneThatShowsTheLightInHalfOfThePhotographs) {
+TP_LONG TEST(MirrorSphere, IsNoneThatShowsTheLightInHalfOfThePhotographs) {
     const TestDir dir;
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(10), false,
                                            [](int i, SphereScene& scene) {
@@ -184,7 +185,7 @@ TEST(MirrorSphere, IsNoneThatShowsTheLightInHalfOfThePhotographs) {
               HasSubstr("--sphere 140,106,40")));
 }
 
-TEST(MirrorSphere, IsNoneButAMattSphereMayBe) {
+TP_LONG TEST(MirrorSphere, IsNoneButAMattSphereMayBe) {
     const TestDir dir;
     SphereScene scene;
     scene.matt = true;

@@ -6,6 +6,7 @@
 
 #include "capture/spheres/sphere_sizes.h"
 #include "tests/support/capture/mirrored_painting.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -44,7 +45,7 @@ MirroredPainting textured(int number, Random& random) {
 }
 
 // Whole pixels that somebody reads off are a pixel off at most. What is stated holds, whatever the painting.
-TEST(GivenSphere, ErrorsHoldOnTexturedPaintings) {
+TP_LONG TEST(GivenSphere, ErrorsHoldOnTexturedPaintings) {
     constexpr int kPaintings = 40;
     Random random(3);
     int inside = 0, all = 0;
@@ -74,7 +75,7 @@ TEST(GivenSphere, ErrorsHoldOnTexturedPaintings) {
     EXPECT_LT(squares, 0.95 * given_squares);
 }
 
-TEST(GivenSphere, IsWhereItIsGivenOnTexturedPaintings) {
+TP_LONG TEST(GivenSphere, IsWhereItIsGivenOnTexturedPaintings) {
     const auto lights = lights_above(10);
     Random random(5);
     for (int i = 0; i < 4; ++i) {
@@ -95,7 +96,7 @@ TEST(GivenSphere, IsWhereItIsGivenOnTexturedPaintings) {
 }
 
 // A circle that is some pixels off is no reason to miss an outline that everybody sees.
-TEST(GivenSphere, IsCorrectedWhereItsOutlineIsClear) {
+TP_LONG TEST(GivenSphere, IsCorrectedWhereItsOutlineIsClear) {
     const TestDir dir;
     const auto lights = lights_around(5);
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights);
@@ -110,7 +111,7 @@ TEST(GivenSphere, IsCorrectedWhereItsOutlineIsClear) {
 }
 
 // Mirrored rings of one sphere's outline, and of what is around, are no more spheres.
-TEST(MirrorSpheres, AreSolid) {
+TP_LONG TEST(MirrorSpheres, AreSolid) {
     const TestDir dir;
     MirroredPainting scene;
     scene.width = 260;
@@ -128,7 +129,7 @@ TEST(MirrorSpheres, AreSolid) {
     }
 }
 
-TEST(MirrorSpheres, CannotBeInEachOther) {
+TP_LONG TEST(MirrorSpheres, CannotBeInEachOther) {
     const SphereImage sphere{{100, 100}, 30, 0, 0};
     EXPECT_TRUE(cannot_both_be(sphere, {{100, 100}, 34, 0, 0}));
     EXPECT_TRUE(cannot_both_be(sphere, {{93, 100}, 37, 0, 0}));
@@ -137,7 +138,7 @@ TEST(MirrorSpheres, CannotBeInEachOther) {
 }
 
 // A reflector on the other side is a tenth as bright, and cut off in the photographs as the light is.
-TEST(MirrorSphere, ShowsTheLightBesideAReflector) {
+TP_LONG TEST(MirrorSphere, ShowsTheLightBesideAReflector) {
     const TestDir dir;
     MirroredPainting scene;
     scene.plain_from = 0;
@@ -163,7 +164,7 @@ TEST(MirrorSphere, ShowsTheLightBesideAReflector) {
 }
 
 // What would be refused is not recommended.
-TEST(MirrorSphere, IsNotRecommendedWhereItWouldBeRefused) {
+TP_LONG TEST(MirrorSphere, IsNotRecommendedWhereItWouldBeRefused) {
     const TestDir dir;
     const auto paths = write_sphere_photos(dir.path(), SphereScene{}, lights_around(12), false,
                                            [](int i, SphereScene& scene) {

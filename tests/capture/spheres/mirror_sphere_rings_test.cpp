@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/capture/mirrored_painting.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -44,7 +45,7 @@ std::vector<std::filesystem::path> write_beside(const TestDir& dir, const Mirror
     return paths;
 }
 
-TEST(MirrorSphere, WithRingsIsFoundByWhatItShows) {
+TP_LONG TEST(MirrorSphere, WithRingsIsFoundByWhatItShows) {
     for (const double radius : {24.0, 40.0}) {
         SCOPED_TRACE(radius);
         const TestDir dir;

@@ -5,6 +5,7 @@
 
 #include "capture/spheres/sphere_sizes.h"
 #include "tests/support/capture/sphere_pictures.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -27,7 +28,7 @@ struct SphereAndBumps {
     }
 };
 
-TEST(MirrorSphere, IsOfTheSizeThatNumbersSay) {
+TP_LONG TEST(MirrorSphere, IsOfTheSizeThatNumbersSay) {
     const SphereAndBumps scene;
     const auto found = [&](std::optional<double> mm_per_pixel) {
         SphereCalibrationOptions options;

@@ -64,7 +64,7 @@ Rendered rendered(GeneratorOptions options, std::uint64_t seed = 5) {
     return result;
 }
 
-TEST(Uncalibrated, LightsOfAGeneratedPaintingAreFound) {
+TP_LONG TEST(Uncalibrated, LightsOfAGeneratedPaintingAreFound) {
     for (const Reflectance reflectance : {Reflectance::lambert, Reflectance::ggx}) {
         const Rendered r = rendered({.lights = 32, .reflectance = reflectance});
         const UncalibratedLights u = uncalibrated_lights(r.pictures, 0.99f);
@@ -76,7 +76,7 @@ TEST(Uncalibrated, LightsOfAGeneratedPaintingAreFound) {
     }
 }
 
-TEST(Uncalibrated, NearLightsOfDifferentStrength) {
+TP_LONG TEST(Uncalibrated, NearLightsOfDifferentStrength) {
     const Rendered r = rendered({.lights = 32, .distance = 2, .gain_min = 0.7, .gain_max = 1.4});
     const UncalibratedLights u = uncalibrated_lights(r.pictures, 0.99f);
     const double error = mean_error_deg(u.directions, r.directions);
@@ -87,7 +87,7 @@ TEST(Uncalibrated, NearLightsOfDifferentStrength) {
 }
 
 // Lights of paintings that are matt or glossy, under lights that are near, or of unlike strength.
-TEST(Uncalibrated, StatedErrorsCoverTheTruth) {
+TP_LONG TEST(Uncalibrated, StatedErrorsCoverTheTruth) {
     int within = 0, all = 0;
     double squares = 0;
     const auto count = [&](const GeneratorOptions& options, std::uint64_t seed) {

@@ -11,6 +11,7 @@
 #include "surface/base/median.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -81,7 +82,7 @@ LightCalibration without_beams(LightCalibration c) {
 }
 
 // Reflectors that are half as strong 25 degrees from their axis, carried around by hand.
-TEST(LightBeams, OfReflectorsThatAreAimedByHandAreFound) {
+TP_LONG TEST(LightBeams, OfReflectorsThatAreAimedByHandAreFound) {
     const BeamScene scene({.lights = 30, .held_out = 0, .distance = 1.5, .beam_deg = 25, .aim_error = 0.15});
     const LightCalibration found = scene.calibrated();
     ASSERT_TRUE(found.model.beams) << name_of(found.model);
@@ -105,7 +106,7 @@ TEST(LightBeams, OfReflectorsThatAreAimedByHandAreFound) {
 
 // Lights of a dome, all aimed at the middle: their beams are a smooth function of the direction, so that of a
 // light that no photograph had can be told.
-TEST(LightBeams, OfADomeArePredictedForOtherLights) {
+TP_LONG TEST(LightBeams, OfADomeArePredictedForOtherLights) {
     const BeamScene scene(
         {.lights = 30, .held_out = 8, .min_elevation_deg = 20, .distance = 1.5, .beam_deg = 30});
     const LightCalibration found = scene.calibrated();
@@ -130,7 +131,7 @@ TEST(LightBeams, OfADomeArePredictedForOtherLights) {
     EXPECT_LE(predicted, 0.6 * even);
 }
 
-TEST(LightBeams, OfEvenLightsAreLeftAlone) {
+TP_LONG TEST(LightBeams, OfEvenLightsAreLeftAlone) {
     const BeamScene scene({.lights = 30, .held_out = 0, .distance = 1.5, .gain_min = 0.5, .gain_max = 1.5});
     const LightCalibration found = scene.calibrated();
     EXPECT_EQ(found.model.lights, LightFreedom::rig_and_gains);

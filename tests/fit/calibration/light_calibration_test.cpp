@@ -14,6 +14,7 @@
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
 #include "tests/support/fit/light_errors.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -65,7 +66,7 @@ GainErrors gain_errors(const LightCalibration& found, const Photography& truth) 
     return errors;
 }
 
-TEST(LightCalibration, FindsStrengthAndDistanceOfNearLightsThatDifferSevenfold) {
+TP_LONG TEST(LightCalibration, FindsStrengthAndDistanceOfNearLightsThatDifferSevenfold) {
     for (const Reflectance reflectance : {Reflectance::ggx, Reflectance::lambert}) {
         const LightScene scene(
             {.lights = 40, .distance = 1.5, .gain_min = 0.3, .gain_max = 2, .reflectance = reflectance});
@@ -87,7 +88,7 @@ TEST(LightCalibration, FindsStrengthAndDistanceOfNearLightsThatDifferSevenfold) 
 
 // Few pixels, few lights, and a third of them so low that a degree of tilt is 6 % of their light: what is
 // stated says so.
-TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
+TP_LONG TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
     const LightScene scene({.lights = 24, .distance = 1.5, .gain_min = 0.3, .gain_max = 2}, 96);
     const LightCalibration found = scene.calibrated();
     ASSERT_EQ(found.model.lights, LightFreedom::rig_and_gains);
@@ -101,7 +102,7 @@ TEST(LightCalibration, StatesErrorsOfStrengthThatHoldTheTruthForATinyPicture) {
     EXPECT_GE(errors.rms_in_sigmas, 0.3);
 }
 
-TEST(LightCalibration, FindsAmbientLight) {
+TP_LONG TEST(LightCalibration, FindsAmbientLight) {
     // The generator's interreflection grows with the light's elevation; its ambient light does not.
     const LightScene scene({.lights = 40, .reflectance = Reflectance::ward_bounded, .ambient = 0.1});
     const LightCalibration found = scene.calibrated();
@@ -110,7 +111,7 @@ TEST(LightCalibration, FindsAmbientLight) {
     EXPECT_GT(found.trials[1].cv_psnr_db, found.trials[0].cv_psnr_db + 3);
 }
 
-TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
+TP_LONG TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
     const LightScene scene({.lights = 40});
     const LightCalibration found = scene.calibrated();
     EXPECT_EQ(found.model.lights, LightFreedom::none);
@@ -119,7 +120,7 @@ TEST(LightCalibration, LeavesLightsAloneThatAreRight) {
     EXPECT_EQ(found.trials.size(), 3u);  // directions that are right are not tried
 }
 
-TEST(LightCalibration, OfSixPhotographsOnFindsStrengths) {
+TP_LONG TEST(LightCalibration, OfSixPhotographsOnFindsStrengths) {
     for (const int lights : {6, 8, 11}) {
         const LightScene scene(
             {.lights = lights, .arrangement = Arrangement::spiral, .gain_min = 0.5, .gain_max = 2}, 96);
@@ -138,7 +139,7 @@ TEST(LightCalibration, OfSixPhotographsOnFindsStrengths) {
 }
 
 // One unknown a photograph is one too many of five: strengths are not tried.
-TEST(LightCalibration, OfFivePhotographsTakesDistantLightsAsGiven) {
+TP_LONG TEST(LightCalibration, OfFivePhotographsTakesDistantLightsAsGiven) {
     const LightScene scene({.lights = 5, .gain_min = 0.3, .gain_max = 2}, 64);
     const LightCalibration found = scene.calibrated();
     EXPECT_EQ(found.model.lights, LightFreedom::none);
@@ -149,7 +150,7 @@ TEST(LightCalibration, OfFivePhotographsTakesDistantLightsAsGiven) {
 }
 
 // Taken for distant, near lights make a bulge of the painting that is many times its relief.
-TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLightsAre) {
+TP_LONG TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLightsAre) {
     for (const int lights : {5, 6, 8, 11}) {
         const LightScene scene({.lights = lights, .arrangement = Arrangement::spiral, .distance = 3}, 96);
         const LightCalibration found = scene.calibrated();
@@ -166,7 +167,7 @@ TEST(LightCalibration, OfAFewPhotographsTellsHowNearTheirLightsAre) {
 // Lights light paint that lies above the plane which their directions are from as if they were nearer, the
 // steep ones most. A bend of their directions would make much the same of the photographs, and bow the
 // painting.
-TEST(LightCalibration, OfNearLightsTellsTheHeightOfThePaintFromABend) {
+TP_LONG TEST(LightCalibration, OfNearLightsTellsTheHeightOfThePaintFromABend) {
     for (const Reflectance reflectance : {Reflectance::ward_bounded, Reflectance::lambert}) {
         const LightScene scene({.lights = 24, .distance = 1.5, .reflectance = reflectance});
         const LightCalibration found = scene.calibrated();
@@ -188,7 +189,7 @@ TEST(LightCalibration, OfNearLightsTellsTheHeightOfThePaintFromABend) {
 }
 
 // What an exposure that is too short makes of the same photographs.
-TEST(LightCalibration, FindsNearLightsInDarkPhotographs) {
+TP_LONG TEST(LightCalibration, FindsNearLightsInDarkPhotographs) {
     const LightScene scene({.lights = 24, .distance = 2, .white_level = 0.03}, 96);
     const LightCalibration found = calibrate_lights(
         {scene.stack, scene.surveyed, Transfer{}, NoiseModel(Transfer{}, 0.006, true), kMmPerPixel},
@@ -197,7 +198,7 @@ TEST(LightCalibration, FindsNearLightsInDarkPhotographs) {
     EXPECT_NEAR(found.lighting.rig.light_distance_mm.value_or(0) / scene.width_mm(), 2, 0.3);
 }
 
-TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
+TP_LONG TEST(LightCalibration, HasTheSameBitsOnOneThreadAndOnTwo) {
     const LightScene scene({.lights = 16, .distance = 2, .gain_min = 0.5}, 64);
     const int before = thread_count();
     set_thread_count(1);
@@ -219,7 +220,7 @@ void disturb(Survey& surveyed) {
 }
 
 // Where the search is cut short of its minimum, other lights come out, 27 % apart, and another model of them.
-TEST(LightCalibration, IsThatOfTheMinimumAndNotOfRounding) {
+TP_LONG TEST(LightCalibration, IsThatOfTheMinimumAndNotOfRounding) {
     LightScene scene({.seed = 2,
                       .lights = 40,
                       .distance = 1.5,
@@ -237,7 +238,7 @@ TEST(LightCalibration, IsThatOfTheMinimumAndNotOfRounding) {
         EXPECT_NEAR(found.lighting.lights[i].gain.g / again.lighting.lights[i].gain.g, 1, 0.005) << i;
 }
 
-TEST(FitPainting, WithNearUnequalLightsIsAboutAsGoodAsWithDistantEqualOnes) {
+TP_LONG TEST(FitPainting, WithNearUnequalLightsIsAboutAsGoodAsWithDistantEqualOnes) {
     TestDir folder;
     const PaintingTruth truth =
         procedural_painting({.seed = 5, .width = 128, .height = 128, .mm_per_pixel = kMmPerPixel});

@@ -12,6 +12,7 @@
 #include "surface/base/json_reading.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -151,7 +152,7 @@ TEST(DirectionField, KnowsRotationsForWhatTheyAre) {
     }
 }
 
-TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
+TP_LONG TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
     const WrongLights lights({.lights = 36, .nominal_direction_error_deg = 6}, {});
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
     EXPECT_GE(lights.errors().before, 2);
@@ -172,14 +173,14 @@ TEST(LightDirections, RandomErrorsOfSixDegreesAreFound) {
 }
 
 // A light that is left out is then as far off itself, and predicted badly with any surface.
-TEST(LightDirections, RandomErrorsOfTenDegreesAreFound) {
+TP_LONG TEST(LightDirections, RandomErrorsOfTenDegreesAreFound) {
     const WrongLights lights({.lights = 30, .nominal_direction_error_deg = 10}, {});
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
     EXPECT_GE(lights.errors().before, 3);
     EXPECT_LE(lights.errors().after, 2);
 }
 
-TEST(LightDirections, AFieldOfErrorsIsFound) {
+TP_LONG TEST(LightDirections, AFieldOfErrorsIsFound) {
     // Lights are tilted the more the further they are to the right.
     const WrongLights lights({.lights = 36}, [](const glm::dvec3& d) {
         return glm::dvec2(6 * kDegree * d.y * d.y, 6 * kDegree * d.x * d.y);
@@ -194,14 +195,14 @@ TEST(LightDirections, AFieldOfErrorsIsFound) {
                 testing::AnyOf("", testing::HasSubstr("folder: the photographs")));
 }
 
-TEST(LightDirections, ThatAreRightAreLeftAlone) {
+TP_LONG TEST(LightDirections, ThatAreRightAreLeftAlone) {
     const WrongLights lights({.lights = 36}, {});
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::listed);
 }
 
 // Of 14 photographs none can be spared to judge by; where the user knows that the file is off, they still
 // tell.
-TEST(LightDirections, OfFewLightsAreCorrectedWhereTheUserSaysSo) {
+TP_LONG TEST(LightDirections, OfFewLightsAreCorrectedWhereTheUserSaysSo) {
     const auto error = [](const glm::dvec3& d) {
         const double angle = 40 * d.x + 17 * d.y;
         return 4 * kDegree * glm::dvec2(std::cos(angle), std::sin(angle));
@@ -220,7 +221,7 @@ TEST(LightDirections, OfFewLightsAreCorrectedWhereTheUserSaysSo) {
 }
 
 // As a sphere leaves them: no photograph is left out to judge by, the standard errors say how far to go.
-TEST(LightDirections, ThatWereMeasuredAreCorrectedAsFarAsTheirErrorsAllow) {
+TP_LONG TEST(LightDirections, ThatWereMeasuredAreCorrectedAsFarAsTheirErrorsAllow) {
     const auto error = [](const glm::dvec3& d) {
         const double angle = 40 * d.x + 17 * d.y;
         return 2 * kDegree * glm::dvec2(std::cos(angle), std::sin(angle));

@@ -11,6 +11,7 @@
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
 #include "tests/support/fit/light_errors.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -46,12 +47,12 @@ struct GildedPanel {
     }
 };
 
-TEST(LightPixels, LightsThatAreRightAreLeftAloneBesideGold) {
+TP_LONG TEST(LightPixels, LightsThatAreRightAreLeftAloneBesideGold) {
     for (const std::uint64_t seed : {3u, 4u})
         EXPECT_EQ(GildedPanel({.lights = 36}, 0.5, seed).found.model, LightingModel{}) << "seed " << seed;
 }
 
-TEST(LightPixels, NearLightsAreFoundBesideGold) {
+TP_LONG TEST(LightPixels, NearLightsAreFoundBesideGold) {
     const GildedPanel panel({.lights = 32,
                              .arrangement = Arrangement::spiral,
                              .distance = 2.9,
@@ -65,7 +66,7 @@ TEST(LightPixels, NearLightsAreFoundBesideGold) {
     EXPECT_NEAR(panel.found.lighting.rig.ambient, 0.08, 0.01);
 }
 
-TEST(LightPixels, StrengthsAreFoundBesideGold) {
+TP_LONG TEST(LightPixels, StrengthsAreFoundBesideGold) {
     const GildedPanel panel(
         {.lights = 32, .distance = 1.5, .gain_min = 0.7, .gain_max = 1.4, .ambient = 0.04}, 0.8, 4);
     EXPECT_EQ(panel.found.model, LightingModel{LightFreedom::rig_and_gains});
@@ -73,7 +74,7 @@ TEST(LightPixels, StrengthsAreFoundBesideGold) {
     EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 0.1);
 }
 
-TEST(LightPixels, DirectionsAreFoundBesideGold) {
+TP_LONG TEST(LightPixels, DirectionsAreFoundBesideGold) {
     const GildedPanel panel({.lights = 40, .nominal_direction_error_deg = 5});
     EXPECT_EQ(panel.found.model.directions, DirectionFreedom::own);
     EXPECT_EQ(panel.found.model.lights, LightFreedom::none);

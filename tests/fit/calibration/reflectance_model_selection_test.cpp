@@ -57,33 +57,33 @@ FitResult fitted(const ReflectanceModel& reflectance_model, const FitOptions& op
 
 // A few lights leave much of a lobe to what is taken for likely: second lobe must not stand in for a wider
 // one.
-TEST(ReflectanceModelSelection, OfAFewLightsFindsNoSecondLobeWhereLobesAreWide) {
+TP_LONG TEST(ReflectanceModelSelection, OfAFewLightsFindsNoSecondLobeWhereLobesAreWide) {
     const ReflectanceModelSelection choice =
         fitted(waves({}, 0.33f), 12, {.refine = false}).report.reflectance_model;
     EXPECT_EQ(choice.reflectance_model, ReflectanceModel{});
 }
 
-TEST(ReflectanceModelSelection, FindsNoneWhereLambertAndOneLobeAreTrue) {
+TP_LONG TEST(ReflectanceModelSelection, FindsNoneWhereLambertAndOneLobeAreTrue) {
     const ReflectanceModelSelection choice = fitted({}).report.reflectance_model;
     EXPECT_EQ(choice.reflectance_model, ReflectanceModel{});
     EXPECT_GE(choice.trials.size(), 3u);
     EXPECT_FALSE(choice.colours.chosen);
 }
 
-TEST(ReflectanceModelSelection, FindsRoughDiffuseReflection) {
+TP_LONG TEST(ReflectanceModelSelection, FindsRoughDiffuseReflection) {
     const FitResult fit = fitted({.diffuse_roughness = 0.5});
     EXPECT_NEAR(fit.report.reflectance_model.reflectance_model.diffuse_roughness, 0.5, 0.21);
     EXPECT_EQ(fit.report.reflectance_model.reflectance_model.second_lobe_weight, 0);
     EXPECT_EQ(fit.surface.reflectance_model, fit.report.reflectance_model.reflectance_model);
 }
 
-TEST(ReflectanceModelSelection, FindsASecondLobe) {
+TP_LONG TEST(ReflectanceModelSelection, FindsASecondLobe) {
     const ReflectanceModelSelection choice = fitted({.second_lobe_weight = 0.6}).report.reflectance_model;
     EXPECT_EQ(choice.reflectance_model.second_lobe_weight, 0.6);
     EXPECT_LE(choice.reflectance_model.diffuse_roughness, 0.15);
 }
 
-TEST(ReflectanceModelSelection, LeavesWhatIsGiven) {
+TP_LONG TEST(ReflectanceModelSelection, LeavesWhatIsGiven) {
     const FitResult fit = fitted({.second_lobe_weight = 0.6},
                                  {.diffuse_roughness = 0.3, .second_lobe_weight = 0.1, .refine = false});
     EXPECT_EQ(fit.surface.reflectance_model,

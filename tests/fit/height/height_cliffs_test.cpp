@@ -12,6 +12,7 @@
 #include "fit/height/slope_edges.h"
 #include "fit/pipeline/fit_painting.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -156,7 +157,7 @@ double loss_depth(const Image<float>& z, const PaintingTruth& truth) {
 }
 
 // Paint 0.3 mm thick has come off, three pixels deep.
-TEST(HeightCliffs, LossesOfAGeneratedPaintingKeepTheirDepth) {
+TP_LONG TEST(HeightCliffs, LossesOfAGeneratedPaintingKeepTheirDepth) {
     const TestDir folder;
     const PaintingTruth truth =
         procedural_painting({.seed = 5, .width = 160, .height = 160, .mm_per_pixel = 0.1});

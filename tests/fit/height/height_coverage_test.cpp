@@ -12,6 +12,7 @@
 #include "fit/height/subpixel_slopes.h"
 #include "fit/pipeline/fit_painting.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -121,7 +122,7 @@ struct Case {
     Reflectance reflectance;
 };
 
-TEST(HeightCoverage, OfGeneratedPaintingsIs95Percent) {
+TP_LONG TEST(HeightCoverage, OfGeneratedPaintingsIs95Percent) {
     const Case cases[] = {
         {{.seed = 3, .width = 200, .height = 150}, 24, Reflectance::ward_bounded},
         {{.seed = 3, .width = 200, .height = 150, .impasto = 0.3}, 24, Reflectance::ward_bounded},
@@ -151,7 +152,7 @@ TEST(HeightCoverage, OfGeneratedPaintingsIs95Percent) {
 
 // 16 lights over cracks as wide as pixels leave slopes that are off by more than they say, and heights with
 // them; and a height whose slopes were made steeper, as shadows ask for, is better than its error says.
-TEST(HeightCoverage, OfHardGeneratedPaintingsIsNotFarFromIt) {
+TP_LONG TEST(HeightCoverage, OfHardGeneratedPaintingsIsNotFarFromIt) {
     EXPECT_GE(height_coverage({.seed = 12, .width = 160, .height = 140, .mm_per_pixel = 0.1},
                               {.seed = 12, .lights = 16, .held_out = 0, .reflectance = Reflectance::ggx}),
               0.80);
@@ -162,7 +163,7 @@ TEST(HeightCoverage, OfHardGeneratedPaintingsIsNotFarFromIt) {
 }
 
 // A wide, weak lobe is hardly told from matt reflection: what is said of it is little, but it holds.
-TEST(LobeCoverage, OfAMattRetouchInAPictureOfGlossSaysThatItsLobeIsHardlyKnown) {
+TP_LONG TEST(LobeCoverage, OfAMattRetouchInAPictureOfGlossSaysThatItsLobeIsHardlyKnown) {
     const PaintingTruth truth = procedural_painting({.seed = 3, .width = 200, .height = 150});
     const FitResult fit =
         fit_of(truth, {.seed = 3, .lights = 24, .held_out = 0, .reflectance = Reflectance::ward_bounded});

@@ -261,7 +261,7 @@ Sampled patchy(int width, int height, int patch) {
 }
 
 // Short waves make weights uneven, and a bulge over the whole picture has to come right all the same.
-TEST(Height, LongWavesComeRightBesideShortOnes) {
+TP_LONG TEST(Height, LongWavesComeRightBesideShortOnes) {
     constexpr int width = 3060, height = 2290;
     constexpr double k = 2 * std::numbers::pi / 12, bulge = 0.05 / width;
     const Sampled s =

@@ -6,6 +6,7 @@
 #include "capture/formats/lights_file.h"
 #include "fit/pipeline/fit_painting.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -21,7 +22,7 @@ std::vector<std::size_t> photos_of(const LightOutliers& outliers) {
     return photos;
 }
 
-TEST(LightOutlierVote, GoldThatWasBrushedMakesNoLightOddAndHidesNone) {
+TP_LONG TEST(LightOutlierVote, GoldThatWasBrushedMakesNoLightOddAndHidesNone) {
     const TestDir folder;
     PaintingOptions options{
         .width = 120, .height = 120, .mm_per_pixel = 0.4, .gilding = true, .brushed = 0.6};

@@ -6,6 +6,7 @@
 
 #include "surface/maps/light.h"
 #include "tests/support/fit/bumps.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -45,7 +46,7 @@ SignCheck turned_by(const LightTurn& turn) {
 
 Bumps rings() { return Bumps(0.25, 0, 0.002, 0, Bumps::rings()); }
 
-TEST(ListOrder, ShiftedByOneIsNoTurn) {
+TP_LONG TEST(ListOrder, ShiftedByOneIsNoTurn) {
     for (const int shift : {1, -1, 2}) {
         Bumps bumps = rings();
         list_otherwise(bumps, [&](int i) { return i + shift; });
@@ -126,7 +127,7 @@ TEST(ListOrder, SlipsByItsLines) {
     EXPECT_EQ(order.better[0].slip.shift, -1);
 }
 
-TEST(ListOrder, AnyShiftIsFound) {
+TP_LONG TEST(ListOrder, AnyShiftIsFound) {
     for (const int shift : {4, 5, 8, -7}) {
         Bumps bumps(0.25);
         list_otherwise(bumps, [&](int i) { return i + shift; });

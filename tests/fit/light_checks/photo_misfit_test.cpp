@@ -9,6 +9,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -79,14 +80,14 @@ Image<Rgb> with_light(Image<Rgb> picture, const Image<Rgb>& diffuse, float light
     return picture;
 }
 
-TEST(PhotoMisfit, HonestPhotographsAreNotDoubted) {
+TP_LONG TEST(PhotoMisfit, HonestPhotographsAreNotDoubted) {
     EXPECT_THAT(ChangedStack({}).doubts(), IsEmpty());
     EXPECT_THAT(ChangedStack({}, {.ambient = 0.05, .interreflection = 0.1}).doubts(), IsEmpty());
     EXPECT_THAT(ChangedStack({}, {.distance = 2, .gain_min = 0.3, .gain_max = 2, .beam_deg = 30}).doubts(),
                 IsEmpty());
 }
 
-TEST(PhotoMisfit, HonestMetalIsNotDoubted) {
+TP_LONG TEST(PhotoMisfit, HonestMetalIsNotDoubted) {
     const ChangedStack gold({}, {},
                             procedural_painting({.seed = 3,
                                                  .width = 120,
@@ -97,7 +98,7 @@ TEST(PhotoMisfit, HonestMetalIsNotDoubted) {
     EXPECT_THAT(gold.doubts(), IsEmpty());
 }
 
-TEST(PhotoMisfit, WhatAllPhotographsLoseIsNoDrift) {
+TP_LONG TEST(PhotoMisfit, WhatAllPhotographsLoseIsNoDrift) {
     // As interpolation of a mosaic: the shortest waves, of all photographs.
     const ChangedStack stack([](std::size_t, const Image<Rgb>& picture) { return blurred(picture, 0.5); });
     EXPECT_THAT(stack.doubts(), IsEmpty());
@@ -179,7 +180,7 @@ TEST(PhotoMisfit, CausesAreToldWhereMostIsMattAndExplained) {
     EXPECT_THAT(doubts_of(misfits, names), IsEmpty());
 }
 
-TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
+TP_LONG TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
     const ChangedStack stack([](std::size_t i, const Image<Rgb>& picture) {
         return blurred(picture, 0.2 + 0.8 * static_cast<double>(i) / (kMisfitPhotos - 1));
     });
@@ -190,7 +191,7 @@ TEST(PhotoMisfit, FocusThatDriftsIsMeasured) {
     EXPECT_GT(photos[kMisfitPhotos - 1].blur.value, 0.1);
 }
 
-TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
+TP_LONG TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
     const PaintingTruth truth = painting(120, 96);
     const ChangedStack stack([&](std::size_t i, const Image<Rgb>& picture) {
         return with_light(picture, truth.diffuse, 1, i % 4 == 1 ? 0.1f : 0, 0);
@@ -200,7 +201,7 @@ TEST(PhotoMisfit, LightOfTheRoomIsNamed) {
         EXPECT_EQ(stack.report.photo_misfits.photos[i].room.effect > 0.3, i % 4 == 1) << i;
 }
 
-TEST(PhotoMisfit, LightThatDidNotFireIsNamed) {
+TP_LONG TEST(PhotoMisfit, LightThatDidNotFireIsNamed) {
     const PaintingTruth truth = painting(120, 96);
     const ChangedStack stack([&](std::size_t i, const Image<Rgb>& picture) {
         return i == 5 ? with_light(picture, truth.diffuse, 0, 0.12f, 0.002f) : picture;
@@ -228,7 +229,7 @@ TEST(PhotoMisfit, DarkFrameIsNamed) {
     EXPECT_THAT(doubts_of(misfits, names), IsEmpty()) << "weak lights may be weak";
 }
 
-TEST(PhotoMisfit, VeilIsMeasured) {
+TP_LONG TEST(PhotoMisfit, VeilIsMeasured) {
     const PaintingTruth truth = painting(120, 96);
     const ChangedStack stack([&](std::size_t, const Image<Rgb>& picture) {
         return with_light(picture, truth.diffuse, 0.9f, 0, 0.05f);

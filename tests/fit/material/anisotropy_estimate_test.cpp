@@ -275,7 +275,7 @@ TEST(FitPainting, TurnedPhotographsOfBrushedMetalGiveTurnedMaps) {
     EXPECT_LE(apart, 8);  // pixels with two minima
 }
 
-TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLightsAsTheyAre) {
+TP_LONG TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLightsAsTheyAre) {
     const Stretch is(0.4f, 0.3f);
     const Surface truth = half_brushed(is);
     const double half = static_cast<double>(truth.height_mm.size()) / 2;
@@ -313,7 +313,7 @@ TEST(FitPainting, FindsHowMetalIsBrushedAndLeavesPaintAndLightsAsTheyAre) {
     }
 }
 
-TEST(FitPainting, LeavesLobesIsotropicWhereTheyAreAndWhereItIsTold) {
+TP_LONG TEST(FitPainting, LeavesLobesIsotropicWhereTheyAreAndWhereItIsTold) {
     const FitResult fit = seeded_fit_of(half_brushed(Stretch(0)), {.refine = false});
     EXPECT_FALSE(fit.report.reflectance_model.stretches.chosen);
     EXPECT_TRUE(fit.surface.lobe_axes.empty());

@@ -10,6 +10,7 @@
 
 #include "fit/pipeline/fit_painting.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -38,7 +39,7 @@ FitResult fitted(const TestDir& folder, const PaintingTruth& truth, const Genera
 }
 
 // Two lights overhead and 14 low ones: between thick strokes only the former are seen.
-TEST(Crevices, AreNoBlackMirrors) {
+TP_LONG TEST(Crevices, AreNoBlackMirrors) {
     for (const Solver solver : {Solver::batch, Solver::ceres}) {
         const PaintingTruth truth = procedural_painting(
             {.seed = 62, .width = 120, .height = 90, .mm_per_pixel = 0.2, .impasto = 1.5});
@@ -58,7 +59,7 @@ TEST(Crevices, AreNoBlackMirrors) {
 }
 
 // Lines two pixels wide on flat paint: burnished gold, and glossy black.
-TEST(Crevices, LinesOfGoldAndOfBlackStayWhatTheyAre) {
+TP_LONG TEST(Crevices, LinesOfGoldAndOfBlackStayWhatTheyAre) {
     PaintingTruth truth(72, 60, 0.2);
     truth.specular_colour = Image<Rgb>(truth.width(), truth.height(), Rgb(1));
     const auto is_gold = [](int x) { return x % 24 == 8 || x % 24 == 9; };

@@ -215,7 +215,7 @@ FitResult fit_of(const Surface& truth, const FitOptions& options) {
     return fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), given);
 }
 
-TEST(FitPainting, FindsTheColourOfGoldAndLeavesPaintWhite) {
+TP_LONG TEST(FitPainting, FindsTheColourOfGoldAndLeavesPaintWhite) {
     const Surface truth = half_gilded();
     const FitResult fit = fit_of(truth, {});
     EXPECT_TRUE(fit.report.reflectance_model.colours.chosen);
@@ -240,13 +240,13 @@ TEST(FitPainting, FindsTheColourOfGoldAndLeavesPaintWhite) {
               0.97 * static_cast<double>(fit.report.solvers.compared));
 }
 
-TEST(FitPainting, TakesLobesForWhiteWhereItIsTold) {
+TP_LONG TEST(FitPainting, TakesLobesForWhiteWhereItIsTold) {
     const FitResult fit = fit_of(half_gilded(), {.coloured_specular = 0, .refine = false});
     EXPECT_TRUE(fit.surface.specular_colour.empty());
     EXPECT_EQ(fit.report.coloured, 0);
 }
 
-TEST(FitPainting, LeavesLobesWhiteWhereTheyAre) {
+TP_LONG TEST(FitPainting, LeavesLobesWhiteWhereTheyAre) {
     Surface truth = half_gilded();
     truth.specular_colour = {};
     const FitResult fit = fit_of(truth, {.refine = false});

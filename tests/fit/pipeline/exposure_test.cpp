@@ -6,6 +6,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 // A matt white has the value 8 in these photographs: much of them is beyond what integers can hold.
-TEST(FitExposure, UsesFloatsBeyondOne) {
+TP_LONG TEST(FitExposure, UsesFloatsBeyondOne) {
     const TestDir folder;
     const PaintingTruth truth = painting(kWidth, kHeight);
     const GeneratorOptions bright{
@@ -69,14 +70,14 @@ double difference_of_exposures(FitOptions options) {
     return mean;
 }
 
-TEST(FitExposure, OfFloatsDoesNotDependOnTheExposure) {
+TP_LONG TEST(FitExposure, OfFloatsDoesNotDependOnTheExposure) {
     EXPECT_LE(difference_of_exposures({.lights_as_given = true, .refine = false}), 0.003);
     EXPECT_LE(difference_of_exposures({.lights_as_given = true, .solver = Solver::ceres}), 0.003);
     // What differs by rounding in the first pass is magnified by the thresholds of the second.
     EXPECT_LE(difference_of_exposures({.lights_as_given = true}), 0.005);
 }
 
-TEST(FitExposure, SaysThatTheWhiteLevelIsTooLow) {
+TP_LONG TEST(FitExposure, SaysThatTheWhiteLevelIsTooLow) {
     const SmallStack small;
     const TestDir folder;
     write_scaled(folder.path(), small.open(), 10);

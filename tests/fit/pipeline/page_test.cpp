@@ -8,6 +8,7 @@
 #include "datasets/generator.h"
 #include "surface/report/html_report.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -54,7 +55,7 @@ TEST(PageParts, ALightWithoutAnErrorHasNone) {
     EXPECT_NE(lights.find("off: elevation 90.0° ± 0.25°<"), std::string::npos);
 }
 
-TEST(FitPage, ShowsEachPhotographsLightAndMisfit) {
+TP_LONG TEST(FitPage, ShowsEachPhotographsLightAndMisfit) {
     const TestDir folder;
     write_stack(folder.path(), painting(32, 32), {.lights = 12, .held_out = 0, .gain_min = 0.5});
     Stack stack = open_stack(folder.path());

@@ -15,6 +15,7 @@
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -66,11 +67,11 @@ void expect_quality(const Expectation& e) {
 
 // Floors lie about a third above what was measured (errors) and 2 dB below it (PSNR): room for other seeds
 // and for tuning, not for a broken fit. Matt photometric stereo alone is off by several degrees here.
-TEST(FitPainting, RecoversAGlossyPaintingFromLinearPhotographs) {
+TP_LONG TEST(FitPainting, RecoversAGlossyPaintingFromLinearPhotographs) {
     expect_quality({"linear 16 bit, 32 lights", {.lights = 32, .held_out = 4}, 0.8, 39});
 }
 
-TEST(FitPainting, RecoversAGlossyPaintingFromJpegs) {
+TP_LONG TEST(FitPainting, RecoversAGlossyPaintingFromJpegs) {
     expect_quality({"sRGB JPEG, 24 lights",
                     {.lights = 24,
                      .held_out = 4,
@@ -128,7 +129,7 @@ TEST(FitPainting, ACropIsTheCropOfTheWholeBitForBit) {
 
 // A band takes 96 MiB: 24 photographs of 1024 pixels a row in floats fill one with 341 rows. The small stack,
 // repeated over 1024 x 400 pixels, needs two; only a strip across their border is fitted.
-TEST(FitPainting, BandsAreInvisible) {
+TP_LONG TEST(FitPainting, BandsAreInvisible) {
     constexpr int kWide = 1024, kHigh = 400;
     const TestDir folder;
     const PaintingTruth truth = painting(40, 31);
@@ -173,7 +174,7 @@ TEST(FitPainting, BandsAreInvisible) {
         }
 }
 
-TEST(FitPainting, DoesNotDependOnTheNumberOfThreads) {
+TP_LONG TEST(FitPainting, DoesNotDependOnTheNumberOfThreads) {
     const SmallStack small;
     set_thread_count(1);
     const std::string one = hash_of(fit_painting(small.open()).surface);
@@ -183,7 +184,7 @@ TEST(FitPainting, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one, two);
 }
 
-TEST(FitPainting, TellsWhatWasFittedFromWhatWasHeldOut) {
+TP_LONG TEST(FitPainting, TellsWhatWasFittedFromWhatWasHeldOut) {
     const SmallStack small;
     Stack stack = small.open();
     hold_out(stack, "3:5");  // 3, 8, 13
@@ -205,7 +206,7 @@ TEST(FitPainting, TellsWhatWasFittedFromWhatWasHeldOut) {
     EXPECT_FALSE(fit.surface.scale_known);
 }
 
-TEST(FitPainting, HeldOutPhotographsHaveNoInfluence) {
+TP_LONG TEST(FitPainting, HeldOutPhotographsHaveNoInfluence) {
     const SmallStack small;
     Stack stack = small.open();
     hold_out(stack, "4");
@@ -217,7 +218,7 @@ TEST(FitPainting, HeldOutPhotographsHaveNoInfluence) {
     EXPECT_NE(hash_of(fit_painting(small.open()).surface), before);
 }
 
-TEST(FitPainting, SubtractsThePlaneOfTheSupport) {
+TP_LONG TEST(FitPainting, SubtractsThePlaneOfTheSupport) {
     const SmallStack small;
     const FitResult fit = fit_painting(small.open(), {.mm_per_pixel = 0.4});
     const Plane plane = best_plane(fit.surface.height_mm, fit.surface.confidence);
@@ -228,7 +229,7 @@ TEST(FitPainting, SubtractsThePlaneOfTheSupport) {
     EXPECT_LT(fit.report.support_tilt_deg, 5);
 }
 
-TEST(FitPainting, StopsWhenAskedInEveryStage) {
+TP_LONG TEST(FitPainting, StopsWhenAskedInEveryStage) {
     const SmallStack small;
     for (const std::string_view where : {"survey", "fit", "height"}) {
         std::atomic<int> calls = 0;
@@ -243,7 +244,7 @@ TEST(FitPainting, StopsWhenAskedInEveryStage) {
     }
 }
 
-TEST(FitPainting, ReportsProgressUpToTheEndOfEachStage) {
+TP_LONG TEST(FitPainting, ReportsProgressUpToTheEndOfEachStage) {
     const SmallStack small;
     std::map<std::string, double> last;
     fit_painting(small.open(), {}, [&](std::string_view stage, double done) {
@@ -272,7 +273,7 @@ TEST(FitPainting, LeavesOutBlackPhotographsAndSaysSo) {
         EXPECT_FALSE(photo.fitted && photo.light.name == "img_002.png");
 }
 
-TEST(FitPainting, FitsGreyPhotographs) {
+TP_LONG TEST(FitPainting, FitsGreyPhotographs) {
     const SmallStack small;
     const TestDir grey;
     const Stack colour = small.open();
@@ -314,7 +315,7 @@ void write_mirrored(const Stack& stack, const TestDir& folder) {
     write_lights_file(folder / "lights.lp", lights);
 }
 
-TEST(FitPainting, MirroredPhotographsGiveMirroredMaps) {
+TP_LONG TEST(FitPainting, MirroredPhotographsGiveMirroredMaps) {
     const SmallStack small;
     const TestDir folder;
     write_mirrored(small.open(), folder);
@@ -337,7 +338,7 @@ TEST(FitPainting, MirroredPhotographsGiveMirroredMaps) {
         }
 }
 
-TEST(FitPainting, TheSecondPassOfMirroredPhotographsIsMirrored) {
+TP_LONG TEST(FitPainting, TheSecondPassOfMirroredPhotographsIsMirrored) {
     const SmallStack small;
     const TestDir folder;
     write_mirrored(small.open(), folder);

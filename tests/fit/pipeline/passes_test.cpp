@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -25,7 +26,7 @@ TEST(FitPasses, SayByHowMuchPhotographsDiffer) {
 // Most pixels are in shadow of some light, which the first pass does not know: it explains them badly, and is
 // believed all the same, since its height casts the shadows that the photographs show, however much light
 // reaches them from all around.
-TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
+TP_LONG TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
     for (const double ambient : {0.0, 0.06}) {
         const TestDir folder;
         const PaintingTruth truth =
@@ -65,7 +66,7 @@ TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
 }
 
 // Gold under few lights is explained badly by a pass that asks no neighbours.
-TEST(FitPasses, MetalUnderFewLightsIsRefined) {
+TP_LONG TEST(FitPasses, MetalUnderFewLightsIsRefined) {
     const TestDir folder;
     const PaintingTruth truth = procedural_painting(
         {.seed = 10, .width = 180, .height = 140, .mm_per_pixel = 0.2, .impasto = 0.5, .gilding = true});

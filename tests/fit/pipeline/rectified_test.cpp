@@ -8,6 +8,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "surface/render/relight.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -121,7 +122,7 @@ double normals_error(const Surface& fitted, const Surface& truth) {
     return sum / count;
 }
 
-TEST(Rectified, APaintingSeenFromAsideIsFittedInItsOwnFrame) {
+TP_LONG TEST(Rectified, APaintingSeenFromAsideIsFittedInItsOwnFrame) {
     const Aside aside;
     EXPECT_NEAR(*aside.calibration.plane->tilt_deg, kTilt * 180 / std::numbers::pi, 0.1);
     EXPECT_FALSE(std::filesystem::exists(aside.dir / "capture.lp"));  // no lights of its own

@@ -4,6 +4,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/test_support.h"
 
 namespace tangi {
 namespace {
@@ -38,7 +39,7 @@ struct GeneratedStack {
     Stack held_out() const { return open_stack(folder.path() / "heldout", {.transfer = Transfer{}}); }
 };
 
-TEST(FitWhiteBalance, ThatChangesIsUndone) {
+TP_LONG TEST(FitWhiteBalance, ThatChangesIsUndone) {
     const GeneratedStack steady, changing;
     cast(changing.folder.path(), changing.open(), [](std::size_t i) { return i % 2 == 1; });
     const FitResult plain = fit_painting(steady.open()), fit = fit_painting(changing.open());
@@ -63,7 +64,7 @@ TEST(FitWhiteBalance, ThatChangesIsUndone) {
         EXPECT_GT(photo.light.gain.g, 0.5f);
 }
 
-TEST(FitWhiteBalance, OfPhotographsThatAreComparedIsTold) {
+TP_LONG TEST(FitWhiteBalance, OfPhotographsThatAreComparedIsTold) {
     const GeneratedStack stack;
     const FitResult fit = fit_painting(stack.open());
     const CompareReport before = compare(fit.surface, stack.held_out());

@@ -78,7 +78,7 @@ TEST(StillLife, IsThickHereAndBareThere) {
     EXPECT_LT(mm.back(), 8.0f);                 // but no towers
 }
 
-TEST(StillLife, IsTheSameOnAnyNumberOfThreads) {
+TP_LONG TEST(StillLife, IsTheSameOnAnyNumberOfThreads) {
     const Canvas& one = still_life().canvas();
     const auto session = painted(3);
     const Canvas& three = session->canvas();
@@ -94,7 +94,7 @@ Journal landscape() {
     return read_journal(std::filesystem::path(TP_SOURCE_DIR) / "datasets/strokes/landscape.jsonl");
 }
 
-TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
+TP_LONG TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
     double seconds = 0, last = 0;
     std::set<std::string> shapes;
     int strokes = 0, sittings = 0, glazes = 0, tilted = 0, turned = 0;
@@ -121,7 +121,7 @@ TEST(Landscape, IsTenMinutesWithTheBrushOnThePainting) {
     EXPECT_GE(turned, 500);
 }
 
-TEST(Landscape, IsAPictureOfSkyAndFields) {
+TP_LONG TEST(Landscape, IsAPictureOfSkyAndFields) {
     SubstrateOptions options;
     options.pixel_mm = 1;
     Session session(std::make_shared<Surface>(make_substrate(SubstrateKind::linen, options)),

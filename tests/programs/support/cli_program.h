@@ -55,10 +55,11 @@ struct Conditions {
     std::vector<int> ignored_signals{};                // as under nohup
     std::chrono::seconds timeout{60};
 
-    // Nothing that the kernel or the loader takes up at a start (execve) only, or that the library does not know of.
+    // Nothing that the kernel or the loader takes up at a start (execve) only, or that the library does not
+    // know of.
     bool takes_a_fork() const {
-        return !largest_file && !memory && !bound_by_permissions && !stdout_to && !stderr_to && !stderr_is_unread &&
-               closed.empty() && ignored_signals.empty();
+        return !largest_file && !memory && !bound_by_permissions && !stdout_to && !stderr_to &&
+               !stderr_is_unread && closed.empty() && ignored_signals.empty();
     }
 };
 
@@ -80,7 +81,8 @@ public:
         const auto preloaded = conditions.environment.find("LD_PRELOAD");
         const ProgramServer* server =
             program == TP_PROGRAM && conditions.takes_a_fork()
-                ? ProgramServer::with_preloaded(preloaded == conditions.environment.end() ? "" : preloaded->second)
+                ? ProgramServer::with_preloaded(preloaded == conditions.environment.end() ? ""
+                                                                                          : preloaded->second)
                 : nullptr;
         if (server) {
             pid_ = server->start(words, environment, conditions.cwd.string(), out[1], err[1]);

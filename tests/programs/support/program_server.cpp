@@ -1,14 +1,14 @@
-// program_server.cpp: a library to preload (LD_PRELOAD): the program stops before main(), and runs it in a fork of
-// itself whenever it is asked to, by other arguments, in another folder, with other streams.
+// program_server.cpp: a library to preload (LD_PRELOAD): the program stops before main(), and runs it in a
+// fork of itself whenever it is asked to, by other arguments, in another folder, with other streams.
 //
-// A start costs what the loader takes for some 290 libraries, three quarters of what short commands take. Here that is
-// done once for a program of tests (program_server.h asks). AFL calls the same a fork server.
+// A start costs what the loader takes for some 290 libraries, three quarters of what short commands take.
+// Here that is done once for a program of tests (program_server.h asks). AFL calls the same a fork server.
 //
 //   TP_PROGRAM_SOCKET   number of the socket (SOCK_SEQPACKET) by which it is asked
 //
-// A request is one message: the count of arguments, the folder, the arguments, the environment, each ended by a zero
-// byte; with it come stdout and stderr. The answer is the process's number (pid_t); it is an orphan by then, so that
-// the nearest subreaper waits for it (PR_SET_CHILD_SUBREAPER).
+// A request is one message: the count of arguments, the folder, the arguments, the environment, each ended by
+// a zero byte; with it come stdout and stderr. The answer is the process's number (pid_t); it is an orphan by
+// then, so that the nearest subreaper waits for it (PR_SET_CHILD_SUBREAPER).
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,8 +110,8 @@ int served_main(int count, char** words, char** environment) {
 
 }  // namespace
 
-extern "C" int __libc_start_main(Main main, int count, char** words, void (*begin)(), void (*end)(), void (*at_exit)(),
-                                 void* stack_end) {
+extern "C" int __libc_start_main(Main main, int count, char** words, void (*begin)(), void (*end)(),
+                                 void (*at_exit)(), void* stack_end) {
     main_of_program = main;
     const auto next = reinterpret_cast<decltype(&__libc_start_main)>(dlsym(RTLD_NEXT, "__libc_start_main"));
     return next(served_main, count, words, begin, end, at_exit, stack_end);

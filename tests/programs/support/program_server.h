@@ -1,5 +1,5 @@
-// program_server.h: starts the program without the loader's work for each start, by a fork of one that stands before
-// main() (program_server.cpp).
+// program_server.h: starts the program without the loader's work for each start, by a fork of one that stands
+// before main() (program_server.cpp).
 #pragma once
 
 #include <fcntl.h>
@@ -19,8 +19,8 @@ namespace tangi {
 
 class ProgramServer {
 public:
-    // The one of this program of tests, for programs with these libraries preloaded. Null the first time: once the
-    // program is started as users start it. Null with the sanitizers.
+    // The one of this program of tests, for programs with these libraries preloaded. Null the first time:
+    // once the program is started as users start it. Null with the sanitizers.
     static ProgramServer* with_preloaded(const std::string& libraries) {
         if (*TP_PROGRAM_SERVER == '\0') return nullptr;
         static std::map<std::string, std::unique_ptr<ProgramServer>> all;
@@ -31,7 +31,8 @@ public:
 
     explicit ProgramServer(const std::string& libraries) {
         int ends[2];
-        if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) throw std::runtime_error("socketpair");
+        if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+            throw std::runtime_error("socketpair");
         socket_ = ends[0];
         ::prctl(PR_SET_CHILD_SUBREAPER, 1);
         const std::string preloaded = libraries + ":" + TP_PROGRAM_SERVER, number = std::to_string(ends[1]);
@@ -68,7 +69,8 @@ public:
         files->cmsg_len = CMSG_LEN(sizeof streams);
         std::memcpy(CMSG_DATA(files), streams, sizeof streams);
         pid_t started = -1;
-        if (::sendmsg(socket_, &message, MSG_NOSIGNAL) < 0 || ::recv(socket_, &started, sizeof started, 0) <= 0)
+        if (::sendmsg(socket_, &message, MSG_NOSIGNAL) < 0 ||
+            ::recv(socket_, &started, sizeof started, 0) <= 0)
             throw std::runtime_error("the program that is to start others has ended");
         return started;
     }

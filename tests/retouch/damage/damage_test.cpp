@@ -50,7 +50,7 @@ TEST(DamageSuggestion, FindsTheCraquelure) {
     EXPECT_NEAR(cracks.measure.width_mm, truth.width_mm, 0.5 * truth.width_mm);
 }
 
-TEST(DamageSuggestion, TellsVarnishAndRetouchApartByGloss) {
+TP_LONG TEST(DamageSuggestion, TellsVarnishAndRetouchApartByGloss) {
     const GlossSuggestion gloss = suggest_gloss(surface_of(painting()), painting().mm_per_pixel);
     const Mask varnish = mask_of(painting().varnish), retouch = mask_of(painting().retouch);
     EXPECT_GT(intersection_over_union(gloss.glossier.mask, varnish), 0.8);
@@ -59,7 +59,7 @@ TEST(DamageSuggestion, TellsVarnishAndRetouchApartByGloss) {
     EXPECT_LT(sum(intersected(gloss.glossier.mask, retouch)), 0.05 * sum(retouch));
 }
 
-TEST(DamageSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeight) {
+TP_LONG TEST(DamageSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeight) {
     Surface surface = surface_of(painting());
     const double mm = painting().mm_per_pixel;
     const Mask cracks = suggest_craquelure(surface, mm).mask, loss = suggest_loss(surface, mm).mask;
@@ -104,7 +104,7 @@ TEST(AreaSuggestion, FindsOldFillsAndOverpaintAmongOtherDamage) {
     }
 }
 
-TEST(AreaSuggestion, FindsNothingToSpeakOfInSoundPaint) {
+TP_LONG TEST(AreaSuggestion, FindsNothingToSpeakOfInSoundPaint) {
     const Surface surface = surface_of(procedural_painting(worn(114, false)));
     for (const DamageClass damage : kAreaClasses)
         EXPECT_LT(area_of(suggest_areas(surface, 0.3, damage).mask, 0.3).percent, 0.5) << name_of(damage);
@@ -173,7 +173,7 @@ TEST(AreaSuggestion, FindsPaintThatWasRubbedOffTheThreads) {
     EXPECT_EQ(sum(intersected(suggest_areas(surface, 0.3, DamageClass::abrasion).mask, abrasion)), 0);
 }
 
-TEST(AreaSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeightAndBearsNumbersThatAreNone) {
+TP_LONG TEST(AreaSuggestion, DoesNotDependOnThreadsOrOnTheUnitOfHeightAndBearsNumbersThatAreNone) {
     Surface surface = surface_of(procedural_painting(worn(104, true)));
     const Mask before = suggest_areas(surface, 0.3, DamageClass::old_fill).mask;
     set_thread_count(1);
