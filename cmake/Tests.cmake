@@ -114,7 +114,7 @@ function(tangi_tests program)
     if(TP_SANITIZE)
         # -O0 and a precompiled header make GCC 12 take __OPTIMIZE__ for defined, and Eigen does not compile.
     elseif(program STREQUAL layers)  # the first to be made
-        target_precompile_headers(layers_tests PRIVATE ${TP_PRECOMPILED} <fstream> <gmock/gmock.h> <gtest/gtest.h>)
+        tangi_precompile(layers_tests <fstream> <gmock/gmock.h> <gtest/gtest.h>)
     else()
         target_precompile_headers(${program}_tests REUSE_FROM layers_tests)
     endif()

@@ -5,6 +5,7 @@
 
 #include "tests/docs/docs_pages.h"
 #include "tests/docs/named_tests.h"
+#include "tests/support/long_test.h"
 
 namespace tangi::docs {
 namespace {

@@ -215,10 +215,6 @@ inline std::optional<std::filesystem::path> data_folder(const std::string& name)
     return root / name;
 }
 
-// Before TEST: it takes the sanitizers five seconds and more, and shorter tests reach the same code; it is
-// run by the optimised build alone (cmake/Tests.cmake).
-#define TP_LONG
-
 #define TP_DATA(variable, name)                                                                       \
     const auto variable##_found = ::tangi::data_folder(name);                                         \
     if (!variable##_found) GTEST_SKIP() << "skipped: the data folder '" << (name) << "' is not here"; \

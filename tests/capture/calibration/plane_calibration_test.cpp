@@ -6,7 +6,7 @@
 #include "capture/formats/capture_file.h"
 #include "capture/geometry/plane_pose.h"
 #include "tests/support/capture/marker_pictures.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -7,6 +7,7 @@
 #include "capture/radiometry/transfer_estimate.h"
 #include "datasets/generator.h"
 #include "surface/image_file/icc_profile.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

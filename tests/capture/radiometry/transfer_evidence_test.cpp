@@ -6,6 +6,7 @@
 
 #include "capture/radiometry/transfer_estimate.h"
 #include "datasets/generator.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

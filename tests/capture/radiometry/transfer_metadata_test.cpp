@@ -9,6 +9,7 @@
 
 #include "capture/radiometry/develop_stack.h"
 #include "capture/stack/profile_colours.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -8,7 +8,7 @@
 #include "datasets/generator.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/capture/chart_pictures.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

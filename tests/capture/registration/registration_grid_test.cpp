@@ -5,6 +5,7 @@
 
 #include "capture/formats/lights_file.h"
 #include "capture/registration/registration.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -7,7 +7,7 @@
 #include "capture/registration/camera_motion.h"
 #include "capture/registration/registration.h"
 #include "tests/support/capture/registration_scenes.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "capture/registration/registration.h"
 #include "tests/support/capture/registration_scenes.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

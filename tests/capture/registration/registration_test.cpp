@@ -11,7 +11,7 @@
 #include "surface/base/parallel.h"
 #include "surface/image/local_contrast.h"
 #include "tests/support/capture/registration_scenes.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

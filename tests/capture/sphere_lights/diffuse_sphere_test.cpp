@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "tests/support/capture/sphere_pictures.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

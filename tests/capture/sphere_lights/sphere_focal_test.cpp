@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/capture/sphere_pictures.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

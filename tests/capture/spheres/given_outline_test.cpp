@@ -6,7 +6,7 @@
 
 #include "capture/spheres/sphere_sizes.h"
 #include "tests/support/capture/mirrored_painting.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/capture/mirrored_painting.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

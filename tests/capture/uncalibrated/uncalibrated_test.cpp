@@ -11,6 +11,7 @@
 #include "capture/stack/stack.h"
 #include "datasets/generator.h"
 #include "surface/base/median.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -11,7 +11,7 @@
 #include "surface/base/median.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -12,7 +12,7 @@
 #include "surface/base/json_reading.h"
 #include "surface/maps/photography_json.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

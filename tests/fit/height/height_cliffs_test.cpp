@@ -12,7 +12,7 @@
 #include "fit/height/slope_edges.h"
 #include "fit/pipeline/fit_painting.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

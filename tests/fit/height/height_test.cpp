@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "surface/base/parallel.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

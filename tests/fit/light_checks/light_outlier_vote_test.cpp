@@ -6,7 +6,7 @@
 #include "capture/formats/lights_file.h"
 #include "fit/pipeline/fit_painting.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "surface/maps/light.h"
 #include "tests/support/fit/bumps.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -10,6 +10,7 @@
 #include "fit/pixel/ward_batch.h"
 #include "surface/render/relight.h"
 #include "tests/support/fit/fit_test_support.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -6,7 +6,7 @@
 #include "fit/pipeline/fit_painting.h"
 #include "surface/image_file/image_io.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -8,7 +8,7 @@
 #include "datasets/generator.h"
 #include "surface/report/html_report.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -15,7 +15,7 @@
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/support/fit/fit_test_support.h"
-#include "tests/support/test_support.h"
+#include "tests/support/long_test.h"
 
 namespace tangi {
 namespace {

@@ -9,6 +9,7 @@
 #include "paint/substrate/substrate.h"
 #include "surface/base/parallel.h"
 #include "surface/painting_file/painting_file.h"
+#include "tests/support/long_test.h"
 #include "tests/support/test_support.h"
 
 namespace tangi {

@@ -7,6 +7,7 @@
 #include "retouch/mask/mask_editor.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
+#include "tests/support/long_test.h"
 #include "tests/support/retouch/damage_truth.h"
 #include "tests/support/test_support.h"
 
