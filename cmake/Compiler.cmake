@@ -23,7 +23,9 @@ list(TRANSFORM first_loaded REPLACE "^=> " "")
 add_library(tangi_common INTERFACE)
 target_compile_features(tangi_common INTERFACE cxx_std_20)
 target_include_directories(tangi_common INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
-target_compile_options(tangi_common INTERFACE -Wall -Wextra -Wshadow $<$<BOOL:${TP_WERROR}>:-Werror>
+# The sanitizers' build has nothing to add to the warnings of the other, and is compiled sooner without them.
+target_compile_options(tangi_common INTERFACE "$<IF:$<BOOL:${TP_SANITIZE}>,-w,-Wall;-Wextra;-Wshadow>"
+                                              $<$<BOOL:${TP_WERROR}>:-Werror>
                                               $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 target_link_options(tangi_common INTERFACE LINKER:--push-state,--no-as-needed ${first_loaded} LINKER:--pop-state)
 if(CMAKE_UNITY_BUILD)

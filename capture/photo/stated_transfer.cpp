@@ -1,8 +1,9 @@
 #include "capture/photo/stated_transfer.h"
+#include "surface/base/symmetric_matrix.h"
 
 #include <lcms2.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <array>
@@ -43,7 +44,7 @@ Transfer curve_through(const Curve& curve) {
         squares += weight * terms * terms.transpose();
         products += weight * std::log(linear) / std::log(e) * terms;
     }
-    const Eigen::Vector3d t = squares.ldlt().solve(products);
+    const Eigen::Vector3d t = solve_symmetric(squares, products).x;
     const auto rounded = [](double v) { return std::round(v * 1000) / 1000; };
     Transfer result{Transfer::Kind::curve, rounded(t[0])};
     result.bend = rounded(t[1]), result.bow = rounded(t[2]);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include "capture/stack/stack_calibration.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -90,7 +91,7 @@ struct SaturationSums {
     }
     // A little is added where all pixels are neutral, or equally bright: nothing is changed then.
     Unknowns solution() const {
-        return (normal + 1e-9 * normal.trace() * Normal::Identity()).ldlt().solve(right);
+        return solve_symmetric(normal + 1e-9 * normal.trace() * Normal::Identity(), right).x;
     }
 };
 

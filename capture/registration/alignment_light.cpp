@@ -1,10 +1,11 @@
 // alignment_light.cpp: which light a picture shows, whatever is listed for it.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "capture/registration/alignment.h"
 #include "surface/base/median.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -34,7 +35,7 @@ Eigen::Vector3d robust_light(std::vector<LitSample>& samples) {
             normal += weight * s.terms * s.terms.transpose();
             right += weight * s.value * s.terms;
         }
-        light = normal.ldlt().solve(right);
+        light = solve_symmetric(normal, right).x;
         std::vector<double> deviations;
         for (const LitSample& s : samples) deviations.push_back(std::abs(s.value - s.terms.dot(light)));
         scale = std::max(1.4826 * median(std::move(deviations)), 1e-6);

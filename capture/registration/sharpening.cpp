@@ -9,7 +9,7 @@
 
 #include "capture/stack/survey.h"
 #include "surface/base/parallel.h"
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "surface/base/median.h"
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -56,7 +56,7 @@ void flatten(RelativeShading& s, Index photo) {
             for (Index k = 0; k < 6; ++k) normal.col(k) += weighted[k] * t;
             right += s.value(i, photo) * weighted;
         }
-        field = normal.ldlt().solve(right);
+        field = solve_symmetric(normal, right).x;
         for (Index i = 0; i < pixels; ++i) residual[i] = s.value(i, photo) - terms(i).dot(field);
         const double scale = kRobust * scale_of(residual, known);
         for (Index i = 0; i < pixels; ++i) {
@@ -101,7 +101,7 @@ void solve_photos(const MatrixXd& value, const MatrixXd& weight, ShadingFactors&
             normal += w * row * row.transpose();
             right += w * (1 + value(i, j)) * row;
         }
-        const Vector3d found = normal.ldlt().solve(right);
+        const Vector3d found = solve_symmetric(normal, right).x;
         f.level[j] = std::max(found[0], kLeastPhotoLevel);
         f.right.row(j) = found.tail<2>().transpose() / f.level[j];
     }

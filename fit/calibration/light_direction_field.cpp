@@ -1,9 +1,9 @@
 #include "fit/calibration/light_direction_field.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <glm/geometric.hpp>
 
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -65,7 +65,7 @@ DirectionField::DirectionField(const std::vector<dvec3>& lights, bool strengths_
     MatrixXd normal = motion.transpose() * motion;
     normal.diagonal().array() +=
         1e-9 * static_cast<double>(count);  // few lights cannot tell all motions apart
-    const MatrixXd of_motions = normal.ldlt().solve(motion.transpose() * field);
+    const MatrixXd of_motions = solve_symmetric(normal, motion.transpose() * field).x;
     field -= motion * of_motions;
     const SymmetricEigen found =
         symmetric_eigen(field.transpose() * field / static_cast<double>(std::max<Index>(count, 1)));

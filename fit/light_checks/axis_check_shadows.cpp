@@ -1,6 +1,5 @@
 #include "fit/light_checks/axis_check_shadows.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "fit/height/height.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_matrix.h"
 #include "surface/render/cast_shadows.h"
 #include "surface/render/relight.h"
 
@@ -87,7 +87,7 @@ Image<float> without_bend(const Image<float>& height_mm, const Image<float>& con
             normal += terms * terms.transpose();
             right += static_cast<double>(height_mm(x, y)) * terms;
         }
-    const Bend bend = normal.ldlt().solve(right);
+    const Bend bend = solve_symmetric(normal, right).x;
     Image<float> relief = height_mm;
     parallel_for(0, relief.height(), 16, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)

@@ -1,6 +1,7 @@
 #include "fit/light_checks/light_outliers.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "surface/base/error.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -131,7 +133,7 @@ void fit_heights(Judged& judged, const std::vector<Light>& lights, const std::ve
             ++count;
         }
         if (count < kFewestForHeights) break;
-        Eigen::Map<Eigen::Matrix<double, 5, 1>>(judged.heights.c.data()) = matrix.ldlt().solve(right);
+        Eigen::Map<Eigen::Matrix<double, 5, 1>>(judged.heights.c.data()) = solve_symmetric(matrix, right).x;
         measure_heights(judged, lights, used);
     }
 }
@@ -160,7 +162,7 @@ Judged judge(std::vector<ReliefPixel>& pixels, const std::vector<Light>& lights,
             ++count;
         }
         if (count < static_cast<int>(kFewestPhotos) / 2) break;
-        judged.map.affine = matrix.ldlt().solve(right).transpose();
+        judged.map.affine = solve_symmetric(matrix, right).x.transpose();
         measure_off(judged, lights, used);
     }
     fit_heights(judged, lights, used);

@@ -7,7 +7,7 @@
 
 #include "capture/photo/photo_names.h"
 #include "surface/base/median.h"
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 

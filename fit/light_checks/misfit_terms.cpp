@@ -1,6 +1,7 @@
 #include "fit/light_checks/misfit_terms.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <glm/mat2x2.hpp>
@@ -10,6 +11,7 @@
 #include <map>
 
 #include "surface/base/median.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -18,6 +20,7 @@ namespace {
 constexpr int kRoom = 1, kFine = kMisfitTerms - 2, kCoarse = kMisfitTerms - 1;
 constexpr double kBoxVariance = (kMisfitBox * kMisfitBox - 1) / 12.0;  // [pixels^2] along each axis
 constexpr double kRidge = 1e-6;                                        // [1]
+constexpr double kSingular = kMisfitTerms * std::numeric_limits<double>::epsilon();  // [1] as Eigen has it
 
 // Those whose deviation is that of most, or less. Others are of another kind (metal that passes for matt,
 // a hand, the frame), and say nothing about what the whole photograph has.
@@ -57,9 +60,10 @@ PhotoTerms solve_blocks(const std::vector<MisfitNormal>& of_photo) {
     const auto count = static_cast<double>(all.count);
     // What nothing tells apart (on a flat painting, the room and the light) is shared between them.
     all.matrix.diagonal() *= 1 + kRidge;
-    const Eigen::FullPivLU<MisfitSquare> lu(all.matrix);
-    if (!lu.isInvertible()) return result;
-    const MisfitSquare inverse = lu.inverse();
+    const SymmetricEigen stretches = symmetric_eigen(all.matrix);
+    if (!(stretches.values[0] > kSingular * stretches.values[kMisfitTerms - 1])) return result;
+    const MisfitSquare inverse =
+        stretches.vectors * stretches.values.cwiseInverse().asDiagonal() * stretches.vectors.transpose();
     result.terms = inverse * all.right;
     MisfitSquare scatter = MisfitSquare::Zero();
     for (const MisfitNormal& block : blocks) {

@@ -1,6 +1,6 @@
 #include "fit/light_checks/per_photo_light.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 #include "capture/radiometry/photometric_stereo.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 
@@ -49,20 +50,19 @@ struct ShownSums {
     }
     // [1] Part of what is left over without a side that it explains.
     double explained() const {
-        const ShownUnknowns found = Eigen::LDLT<ShownNormal>(matrix).solve(right);
+        const ShownUnknowns found = solve_symmetric(matrix, right).x;
         const double all = squares - right.dot(found);
         const Eigen::Matrix<double, 6, 6> even = matrix.bottomRightCorner<6, 6>();
         const Eigen::Matrix<double, 6, 1> even_right = right.tail<6>(),
-                                          even_found = even.ldlt().solve(even_right);
+                                          even_found = solve_symmetric(even, even_right).x;
         const double without = squares - even_right.dot(even_found);
         return without > 0 ? std::clamp(1 - all / without, 0.0, 1.0) : 0;
     }
     // Light times strength, at the picture's middle.
     std::optional<Eigen::Vector3d> light() const {
-        const Eigen::LDLT<ShownNormal> solver(matrix);
-        if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-9)) return std::nullopt;
-        const ShownUnknowns x = solver.solve(right);
-        const Eigen::Vector3d light = x.head<3>();
+        const SymmetricSolution solution = solve_symmetric(matrix, right);
+        if (!(solution.rcond > 1e-9)) return std::nullopt;
+        const Eigen::Vector3d light = solution.x.topRows<3>();
         if (!(light.head<2>().norm() > 0) || !std::isfinite(light.norm())) return std::nullopt;
         return light;
     }
@@ -172,7 +172,7 @@ struct ShownRegression {
 
 // Tukey's weights of what a regression leaves over.
 void weigh(const ShownSums& sums, std::vector<ShownSample>& samples) {
-    const ShownUnknowns x = Eigen::LDLT<ShownNormal>(sums.matrix).solve(sums.right);
+    const ShownUnknowns x = solve_symmetric(sums.matrix, sums.right).x;
     std::vector<double> residuals;
     for (const ShownSample& s : samples) residuals.push_back(std::abs(s.value - s.row.dot(x)));
     const double limit = kTukeyShown * std::max(1.4826 * median(residuals), 1e-12);

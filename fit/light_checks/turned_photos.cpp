@@ -11,7 +11,7 @@
 #include "capture/stack/stack_calibration.h"
 #include "surface/base/log_ratio.h"
 #include "surface/base/parallel.h"
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 

@@ -10,7 +10,7 @@
 #include "fit/residual/residual_kernel.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/render/relight.h"
 

@@ -1,5 +1,6 @@
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace tangi {
@@ -11,6 +12,11 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix) {
 
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix) {
     return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+SymmetricSolution solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+    const Eigen::LDLT<Eigen::MatrixXd> factors(matrix);
+    return {factors.solve(right), factors.info() == Eigen::Success ? factors.rcond() : 0};
 }
 
 Eigen::MatrixXd orthonormal_span(const Eigen::MatrixXd& columns) {

@@ -1,4 +1,4 @@
-#include "surface/base/symmetric_eigen.h"
+#include "surface/base/symmetric_matrix.h"
 
 #include <gmock/gmock.h>
 
@@ -22,6 +22,16 @@ TEST(SymmetricEigen, IsWhatTheMatrixStretches) {
     EXPECT_LT((found.vectors.transpose() * found.vectors - MatrixXd::Identity(12, 12)).norm(), 1e-12);
     EXPECT_TRUE(std::is_sorted(found.values.begin(), found.values.end()));
     EXPECT_LT((symmetric_eigenvalues(a) - found.values).norm(), 1e-12);
+}
+
+TEST(SymmetricSolution, SolvesAndTellsHowSurely) {
+    const MatrixXd a = random_symmetric(6), right = MatrixXd::Random(6, 2);
+    const SymmetricSolution found = solve_symmetric(a, right);
+    EXPECT_LT((a * found.x - right).norm(), 1e-12);
+    EXPECT_GT(found.rcond, 1e-4);
+    const Eigen::Vector3d ends(2, 1, 1e-7);
+    EXPECT_NEAR(solve_symmetric(ends.asDiagonal(), ends).rcond, 0.5e-7, 1e-9);
+    EXPECT_LT(solve_symmetric(MatrixXd::Constant(3, 3, 1), ends).rcond, 1e-9);
 }
 
 TEST(OrthonormalSpan, ReachesTheColumnsAndNothingElse) {
