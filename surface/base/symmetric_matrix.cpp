@@ -16,7 +16,9 @@ Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix) {
 
 SymmetricSolution solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
     const Eigen::LDLT<Eigen::MatrixXd> factors(matrix);
-    return {factors.solve(right), factors.info() == Eigen::Success ? factors.rcond() : 0};
+    // Eigen's estimate passes over pivots of zero.
+    const bool singular = factors.info() != Eigen::Success || (factors.vectorD().array() == 0).any();
+    return {factors.solve(right), singular ? 0 : factors.rcond()};
 }
 
 Eigen::MatrixXd orthonormal_span(const Eigen::MatrixXd& columns) {

@@ -19,7 +19,7 @@ Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix);  // ascend
 // x of matrix x = right, by the decomposition L D L^T with pivots of the lower triangle.
 struct SymmetricSolution {
     Eigen::MatrixXd x;  // a column for each of the right side
-    double rcond = 0;   // reciprocal condition number, estimated; 0 where the matrix has no decomposition
+    double rcond = 0;   // reciprocal condition number, estimated; 0 where the matrix is singular
 };
 SymmetricSolution solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
 
