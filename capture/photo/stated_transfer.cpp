@@ -1,14 +1,14 @@
 #include "capture/photo/stated_transfer.h"
-#include "surface/base/symmetric_matrix.h"
 
 #include <lcms2.h>
 
 #include <Eigen/Core>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
+
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi {
 

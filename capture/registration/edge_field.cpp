@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "surface/base/parallel.h"
 #include "surface/image/opencv_view.h"
@@ -125,7 +126,8 @@ float strength_across(const EdgeField& field, const dvec2& place, const Spoke& s
 
 // Climbs to the best score nearby.
 Circle climbed(const EdgeField& field, Circle circle) {
-    glm::ivec3 from(4);  // the steps to here from where neighbours were tried last: those are no better
+    constexpr glm::ivec3 nowhere(4);  // no neighbour of it is one of here
+    glm::ivec3 from = nowhere;  // the move to here from where neighbours were tried: those are no better
     for (double step = std::max(1.0, circle.radius_px / 16); step > 0.2;) {
         Circle best = circle;
         glm::ivec3 best_move(0);
@@ -143,7 +145,7 @@ Circle climbed(const EdgeField& field, Circle circle) {
             from = best_move;
         } else {
             step /= 2;
-            from = glm::ivec3(4);
+            from = nowhere;
         }
     }
     return circle;
@@ -178,23 +180,22 @@ EdgeField edge_field(std::span<const Image<float>> photos, float step) {
 double outline_score(const EdgeField& field, const dvec2& centre, double radius) {
     if (!(radius > 2)) return 0;
     const int angles = std::clamp(static_cast<int>(4 * radius), kFewestAngles, kMostAngles);
-    const std::array radii = {radius, 1.10 * radius + 2, 1.17 * radius + 2, 1.24 * radius + 2};
+    const auto strength = [&](const Spoke& spoke, double r) -> std::optional<double> {
+        const dvec2 place = centre + r * spoke.normal;
+        if (place.x < 0 || place.y < 0 || place.x > field.width() - 1 || place.y > field.height() - 1)
+            return {};
+        return std::min(1.0, strength_across(field, place, spoke) / kEdge);
+    };
     double sum = 0;
     int in_picture = 0;
     for (const Spoke& spoke : spokes(angles)) {
-        std::array<double, radii.size()> strengths{};
-        for (std::size_t k = 0; k < radii.size(); ++k) {
-            const dvec2 place = centre + radii[k] * spoke.normal;
-            if (place.x >= 0 && place.y >= 0 && place.x <= field.width() - 1 && place.y <= field.height() - 1)
-                strengths[k] = std::min(1.0, strength_across(field, place, spoke) / kEdge);
-            else if (k == 0)
-                strengths[k] = -1;
-            if (strengths[0] < 0) break;
-        }
-        if (strengths[0] < 0) continue;
+        const auto here = strength(spoke, radius);
+        if (!here) continue;
         ++in_picture;
-        const double outside = strengths[1] / 3 + strengths[2] / 3 + strengths[3] / 3;
-        sum += strengths[0] - kQuietOutside * outside;
+        double outside = 0;
+        for (const double factor : {1.10, 1.17, 1.24})
+            outside += strength(spoke, factor * radius + 2).value_or(0) / 3;
+        sum += *here - kQuietOutside * outside;
     }
     return 2 * in_picture < angles ? 0 : std::max(0.0, sum / in_picture);
 }

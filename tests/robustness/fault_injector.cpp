@@ -6,13 +6,11 @@
 //   TP_FAULT_ERRNO     with what (5, EIO, where not given); 0: the program is killed before the call
 //   TP_FAULT_STAYS     1: so do all later ones that need room, as on a disk that stays full
 //   TP_FAULT_TORN      1: where that call is a write, half of the bytes are written before it fails
-//   TP_FAULT_READS     1: the calls that count are those that read: open for reading, read, and their kin;
-//   where
-//                      one fails, so do all later ones of the same file
+//   TP_FAULT_READS     1: the calls that count are those that read (open for reading, read, and their kin);
+//                      where one fails, so do all later ones of the same file
 //   TP_FAULT_TRACE     file to which a line is added for each call that counts: what it does, and to what
 //   TP_FAULT_MEMORY_AT the allocation of 64 KiB and more that fails, from 1, once libraries are ready; 0:
-//   none, but they are traced
-//                      ("memory BYTES") instead of the calls
+//                      none, but they are traced ("memory BYTES") instead of the calls
 //   TP_FAULT_TIME      [s] since 1970, all the time
 //
 // All of this from main() on: what libraries do before is no concern of the program's. Counted are open for

@@ -55,8 +55,7 @@ struct Conditions {
     std::vector<int> ignored_signals{};                // as under nohup
     std::chrono::seconds timeout{60};
 
-    // Nothing that the kernel or the loader takes up at a start (execve) only, or that the library does not
-    // know of.
+    // Whether a process that is loaded already can become it (program_server.h).
     bool takes_a_fork() const {
         return !largest_file && !memory && !bound_by_permissions && !stdout_to && !stderr_to &&
                !stderr_is_unread && closed.empty() && ignored_signals.empty();

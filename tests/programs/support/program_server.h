@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -38,6 +39,7 @@ public:
         const std::string preloaded = libraries + ":" + TP_PROGRAM_SERVER, number = std::to_string(ends[1]);
         if (::fork() == 0) {
             ::fcntl(ends[1], F_SETFD, 0);
+            ::signal(SIGINT, SIG_DFL);  // as each other start has it
             ::setenv("LD_PRELOAD", preloaded.c_str(), 1);
             ::setenv("TP_PROGRAM_SOCKET", number.c_str(), 1);
             ::execl(TP_PROGRAM, TP_PROGRAM, nullptr);
