@@ -196,6 +196,8 @@ int main_with_faults(int count, char** words, char** environment) {
 
 }  // namespace
 
+// The names are those of the C library, and parameters of its functions take no further parentheses.
+// NOLINTBEGIN(bugprone-reserved-identifier, bugprone-macro-parentheses)
 extern "C" {
 
 void* __libc_malloc(size_t bytes);
@@ -333,3 +335,4 @@ int gettimeofday(timeval* to, void* zone) {
     return 0;
 }
 }
+// NOLINTEND(bugprone-reserved-identifier, bugprone-macro-parentheses)

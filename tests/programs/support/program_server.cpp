@@ -110,6 +110,7 @@ int served_main(int count, char** words, char** environment) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the name is that of the C library.
 extern "C" int __libc_start_main(Main main, int count, char** words, void (*begin)(), void (*end)(),
                                  void (*at_exit)(), void* stack_end) {
     main_of_program = main;
