@@ -17,8 +17,8 @@ struct SharedShading {
     bool exceeds_motion = false;  // the smooth part is larger than a camera's motion would have left there
 };
 
-// Robust least squares over the photographs that count. The number of smooth functions (1; with 10, 3; with
-// 14, 5; with 24, 8) follows the number of photographs.
+// Robust least squares over the photographs that count. The number of smooth functions (1; with 7, as in
+// Alignment, 3; with 14, 5; with 24, 8) follows the number of photographs.
 SharedShading shared_shading(const std::vector<glm::dvec2>& shifts, const std::vector<glm::dvec3>& lights,
                              const std::vector<bool>& counted);
 

@@ -63,6 +63,12 @@ public:
     float outside(int x, int y) const { return outside_(x, y); }
     float light(int x, int y) const { return light_(x, y); }
 
+    // Whether what is mirrored there lies above the plane of the picture: a light may, the table does not.
+    bool is_from_above(const Spot& spot) const {
+        const auto point = sphere_point(sphere_, camera_, crops_.to_common(photo_, spot.middle));
+        return point && point->mirrored().z > 0;
+    }
+
     // The brightest pixel between two distances from the outline; (-1, -1) where all is black.
     glm::ivec2 brightest(double from, double to) const {
         glm::ivec2 at(-1);
@@ -206,8 +212,11 @@ double brighter_by(const Photo& photo, const Chosen& first, const Chosen& second
 }
 
 // Of several clipped spots the one with the brightest middle; a reflection of something bright is clipped,
-// too, but hardly by much.
-Chosen chosen_of(const Photo& photo, const std::vector<Spot>& spots) {
+// too, but hardly by much. What is mirrored of the table or the painting counts only where nothing else does.
+Chosen chosen_of(const Photo& photo, std::vector<Spot> spots) {
+    const auto below = std::stable_partition(spots.begin(), spots.end(),
+                                             [&](const Spot& spot) { return photo.is_from_above(spot); });
+    if (below != spots.begin()) spots.erase(below, spots.end());
     std::vector<Chosen> rivals;
     for (const Spot& spot : spots)
         if (spot.weight > kRival * spots.front().weight && rivals.size() < 4)

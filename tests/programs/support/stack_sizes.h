@@ -41,7 +41,9 @@ inline void expect_through_the_program(int width, int height, int lights, const 
         EXPECT_TRUE(drift["registered"]) << drift;
         EXPECT_LT(drift["drift_px"], 0.2) << drift;
     }
-    EXPECT_EQ(said["pixels"]["fitted"], pixels);
+    // Of few lights, too few may reach a pixel in a groove.
+    EXPECT_LE(said["pixels"]["fitted"], pixels);
+    EXPECT_GE(said["pixels"]["fitted"], pixels - (lights < 10 ? pixels / 1000 : 0));
     ASSERT_TRUE(ended(tangipaint({"relight", painting, "--light=-0.4,0.3,1", "--out", picture}, patient), 0));
     EXPECT_EQ(read_picture(picture).region(), inside.region());
     const Finished compare = tangipaint(

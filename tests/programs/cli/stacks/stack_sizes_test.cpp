@@ -10,6 +10,9 @@ using testing::HasSubstr;
 // at those that are held out, of which there are fewer, in the same.
 TEST(CliStackSizes, LargerThanHalfAMegapixel) { expect_through_the_program(1040, 780, 36, "4:8", 4, 0.05); }
 
+// Eight grazing lights around a camera that stands still: what shadows at edges feign goes with the light.
+TEST(CliStackSizes, NineLights) { expect_through_the_program(500, 375, 9, "4", 1, 0.1); }
+
 // Held-out photographs that show something else are told, and the number that they were to give is missed.
 TEST(CliStackSizes, HeldOutPhotographsThatAreLostAreMissed) {
     const TinyStack stack({}, 128), other([](GeneratorOptions&options) { options.seed = 5; }, 128);
