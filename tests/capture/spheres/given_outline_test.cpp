@@ -161,6 +161,14 @@ TP_LONG TEST(MirrorSphere, ShowsTheLightBesideAReflector) {
                 AllOf(HasSubstr("no light is told from the other there"),
                       HasSubstr("show two that are about equally bright"),
                       Not(HasSubstr("Give spheres with --sphere"))));
+    // From below the picture's plane comes what the table shines back.
+    for (auto& photo : photos) photo[1].direction = glm::normalize(dvec3(-dvec2(photo[0].direction), -0.3));
+    const TestDir table;
+    const SphereCalibration above =
+        calibrate_from_spheres(write_mirrored(table.path(), scene, photos),
+                               {.spheres = {circle(54.3, 55.6, 26)}, .fixed_camera = true});
+    EXPECT_EQ(above.calibrated(), 10);
+    EXPECT_LT(mean_error_deg(above, lights), 2);
 }
 
 // What would be refused is not recommended.
