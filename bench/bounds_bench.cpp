@@ -96,10 +96,10 @@ void run(const char* painting, const char* folder) {
         std::size_t column = 0;
         for (const bool with_residual : modes) {
             const auto psnr = [&](const Change& change) {
-                const Light light = changed(light, change);
-                Image<Rgb> relit = relight(surface, {&light, 1}, {.cast_shadows = true});
+                const Light other = changed(light, change);
+                Image<Rgb> relit = relight(surface, {&other, 1}, {.cast_shadows = true});
                 if (with_residual && !residual.empty())
-                    add_residual(residual, surface, {&light, 1}, {}, relit);
+                    add_residual(residual, surface, {&other, 1}, {}, relit);
                 return psnr_db(taken, as_photographed(relit, surface.photography), mask);
             };
             for (const double db : {psnr({}), psnr(best_change(psnr, 1)), psnr(best_change(psnr, 3))}) {
