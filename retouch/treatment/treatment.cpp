@@ -158,7 +158,6 @@ Treatment Treatment::begin(const fs::path& named, const fs::path& painting, cons
     first["scale_known"] = canvas.dry().scale_known || mm_per_pixel.has_value();
     FolderFiles written(folder);  // all of it, or none
     told_of(written.temporary(), folder, [&] {
-        make_folder(written.temporary() / kTreatmentMasks);
         if (!is_there) copy_whole(painting, written.temporary() / kTreatmentPainting);
         TreatmentLog::begin(written.temporary() / kTreatmentLog, std::move(first));
     });

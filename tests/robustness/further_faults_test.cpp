@@ -29,11 +29,11 @@ protected:
 
     // A command whose output is there from another call of it, or is not.
     void try_new_and_old(const std::string& name, const std::vector<Words>& before, const Words& command,
-                         const Words& other) {
-        try_scene({name + " to nothing", before, command, kSeen});
+                         const Words& other, const Words& reads = kSeen) {
+        try_scene({name + " to nothing", before, command, reads});
         std::vector<Words> first = before;
         first.push_back(other);
-        try_scene({name, first, command, kSeen});
+        try_scene({name, first, command, reads});
     }
 
     static Words further(Words command, const Words& more) {
@@ -64,7 +64,8 @@ TEST_F(CliFurtherFaults, Retouch) {
     const Words retouch = {"retouch", "p.exr", "--mask", "m.png", "--out", "q.exr", "--preview", "q.png"};
     try_new_and_old("retouch", {}, retouch, further(retouch, {"--mode", "neutral"}));
     const Words quality = {"quality", "q.exr", "--mask", "m.png", "--out", "found"};
-    try_new_and_old("quality", {retouch}, quality, further(quality, {"--gap-mm", "0.1"}));
+    try_new_and_old("quality", {retouch}, quality, further(quality, {"--gap-mm", "0.1"}),
+                    {"info", "found/gloss.exr"});
 }
 
 TEST_F(CliFurtherFaults, Match) {
