@@ -65,9 +65,10 @@ struct MirroredPainting {
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
                 double sum = 0;
-                for (int s = 0; s < 16; ++s)
-                    sum +=
-                        seen({x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4}, lights, reflectance, lit) / 16;
+                for (int s = 0; s < 16; ++s) {
+                    const int column = s % 4, row = s / 4;
+                    sum += seen({x + (column - 1.5) / 4, y + (row - 1.5) / 4}, lights, reflectance, lit) / 16;
+                }
                 image(x, y) = static_cast<float>(std::clamp(sum + noise * random.normal(), 0.0, 1.0));
             }
         return image;

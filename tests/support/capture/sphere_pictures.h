@@ -36,7 +36,8 @@ struct SphereScene {
                     bent = lens ? undistorted(*lens, middle) - middle : glm::dvec2(0);
                 double sum = 0;
                 for (int s = 0; s < 16; ++s) {
-                    const glm::dvec2 at(x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4);
+                    const int column = s % 4, row = s / 4;
+                    const glm::dvec2 at(x + (column - 1.5) / 4, y + (row - 1.5) / 4);
                     sum += std::min(1.0, value(at + bent - shift_px, light, near, toward)) / 16;
                 }
                 sum = std::clamp(sum + noise * random.normal(), 0.0, 1.0);
