@@ -253,7 +253,7 @@ void states(ReportMatter& m, const Progress& progress) {
     m.add(ReportText{
         "Computed from the fitted maps and the layers: normal light from the upper right at 60° above the "
         "painting's "
-        "plane; raking light from the left and from above at 12°. Pictures of one illuminant have one "
+        "plane; raking light from the left and from above at 12°. Pictures in one light have one "
         "exposure.",
         true});
     for (ReportPictures& row : rows) m.add(std::move(row));

@@ -190,7 +190,7 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     const ViewLight& light = s.lights[s.light];
     std::string status = fmt::format("{:.0f} %", 100 * s.view.zoom);
     if (s.comparing.on)
-        status += s.comparing.pair ? "   lit as it was held up" : "   lit as the photograph";
+        status += s.comparing.pair ? "   two states in one light" : "   lit as the photograph";
     else
         status += fmt::format("   tilt {:.0f}° {:.0f}°   light {:.0f}° {:.0f}°", s.tilt.angle_deg.x,
                               s.tilt.angle_deg.y, light.angles.azimuth_deg, light.angles.elevation_deg);

@@ -27,9 +27,9 @@ void finish(WindowState& s) {
     if (!ImGui::TreeNode("Gloss and medium")) return;
     const glm::dvec2 gloss = s.mixed_gloss();
     double specular = gloss.x, roughness = gloss.y;
-    if (stepped("ρs", specular, 0, 0.2, 0.01, "%.2f")) s.finish.specular = specular;
+    if (stepped("Gloss ρs", specular, 0, 0.2, 0.01, "%.2f")) s.finish.specular = specular;
     tip("Gloss: how much of the light its surface reflects");
-    if (stepped("α", roughness, 0.05, 0.6, 0.05, "%.2f")) s.finish.roughness = roughness;
+    if (stepped("Roughness α", roughness, 0.05, 0.6, 0.05, "%.2f")) s.finish.roughness = roughness;
     tip("Roughness: how far highlights spread");
     stepped("Medium", s.finish.medium, 0, 0.9, 0.1, "%.1f");
     if (ImGui::SmallButton("Reset paint")) s.finish = {};

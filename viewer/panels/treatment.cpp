@@ -104,7 +104,7 @@ void fill(WindowState& s) {
 
 void varnish(const WindowState& s, VarnishOptions& v) {
     number("Thickness", v.thickness_mm, 0.002f, 0.2f, length(s, "%.3f").c_str(), true);
-    number("Strength", v.specular, 0, 0.1f, "ρs %.3f");
+    number("Gloss", v.specular, 0, 0.1f, "ρs %.3f");
     tip("How much is reflected as gloss: ρs, 0.04 of a resin");
     number("Roughness", v.roughness, 0.03f, 0.5f, "α %.2f");
     tip("Width of the highlight: 0.05 is glossy, 0.3 matt");
@@ -171,10 +171,10 @@ void laid(WindowState& s) {
     using Mode = std::pair<RetouchMode, const char*>;
     choice("Kind", t.mode,
            std::array<Mode, 6>{
-               Mode(RetouchMode::mimetic, "mimetic"), Mode(RetouchMode::tratteggio, "tratteggio"),
+               Mode(RetouchMode::mimetic, "Mimetic"), Mode(RetouchMode::tratteggio, "Tratteggio"),
                Mode(RetouchMode::selection, "Selezione cromatica"),
                Mode(RetouchMode::abstraction, "Astrazione cromatica"),
-               Mode(RetouchMode::dotting, "Pointillism"), Mode(RetouchMode::neutral, "neutral tone")});
+               Mode(RetouchMode::dotting, "Pointillism"), Mode(RetouchMode::neutral, "Neutral tone")});
     number("Film", t.retouch.thickness_mm, 0.005f, 0.3f, (length(s, "%.3f") + " thick").c_str(), true);
     const bool even = t.mode == RetouchMode::mimetic || t.mode == RetouchMode::neutral;
     idle_while(even, "Of lines and dots", [&] {

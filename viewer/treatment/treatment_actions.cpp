@@ -44,7 +44,7 @@ std::string lines_in_words(const RetouchReport& report, const Fusion& fusion) {
     std::string lines = fmt::format("{} lines or dots, {:.2f} mm apart, {:.2f} mm wide; ", report.marks,
                                     report.pitch_mm, report.width_mm);
     lines += fusion.fuses
-                 ? fmt::format("they fuse from {:.1f} m on, there dE2000 {:.1f} from the colour around",
+                 ? fmt::format("they fuse from {:.1f} m on, there ΔE2000 {:.1f} from the colour around",
                                fusion.distance_m, fusion.delta_e_fused)
                  : fmt::format("they are still seen from {:.0f} m", fusion.distance_m);
     return lines;

@@ -99,11 +99,11 @@ ShownRecipe shown_of(const MatchedRecipe& r, const Palette& palette, const std::
     for (std::size_t light = 0; light < kIlluminants; ++light)
         if (r.metamerism[light] > kMetameric)
             shown.warnings.push_back(
-                fmt::format("metameric: where it matches under D65, it is off by dE2000 {:.1f} under {}",
+                fmt::format("metameric: where it matches under D65, it is off by ΔE2000 {:.1f} under {}",
                             r.metamerism[light], name_of(static_cast<Illuminant>(light))));
     if (r.error > kPoor)
         shown.warnings.push_back(
-            fmt::format("no match: these paints come no nearer than dE2000 {:.1f}", r.error));
+            fmt::format("no match: these paints come no nearer than ΔE2000 {:.1f}", r.error));
     for (const auto& text : warnings_of(r.mixture, palette.paints, pairs)) shown.warnings.push_back(text);
     return shown;
 }
@@ -134,7 +134,7 @@ ShownMatch matched(Sampled sampled, const std::string& where, const Wanted& by) 
     shown.spread = sampled.spread;
     if (sampled.spread > kVaried)
         shown.of +=
-            fmt::format(": colours vary by dE2000 {:.0f} there, the commonest is matched", sampled.spread);
+            fmt::format(": colours vary by ΔE2000 {:.0f} there, the commonest is matched", sampled.spread);
     for (const MatchedRecipe& r : found.recipes)
         shown.recipes.push_back(shown_of(r, by.palette, by.pairs, sampled.gloss));
     return shown;
