@@ -176,7 +176,7 @@ std::string told_of_unknown_flag(const CLI::App& command) {
 
 // Words that a command does not know, of which the first is told.
 std::string told_of_extras(const CLI::App& command) {
-    if (const std::string flag = told_of_unknown_flag(command); !flag.empty()) return flag;
+    if (std::string flag = told_of_unknown_flag(command); !flag.empty()) return flag;
     const std::vector<std::string> extras = command.remaining();
     return fmt::format("'{}': is more than {} takes", extras.empty() ? "" : extras.front(),
                        command.get_name());
@@ -185,7 +185,8 @@ std::string told_of_extras(const CLI::App& command) {
 // What the parser found wrong with a command's words, in ours where its own speak of what it does.
 std::string told_of_usage(const CLI::App* command, const CLI::Error& error) {
     if (command && dynamic_cast<const CLI::ExtrasError*>(&error)) return told_of_extras(*command);
-    const std::string words = error.what(), flag = words.substr(0, words.find(':'));
+    std::string words = error.what();
+    const std::string flag = words.substr(0, words.find(':'));
     if (command && dynamic_cast<const CLI::RequiredError*>(&error)) {  // it may be there, misspelt
         const std::string unknown = told_of_unknown_flag(*command);
         return unknown.empty() ? words : words + "; " + unknown;

@@ -321,7 +321,7 @@ nlohmann::json to_json(const Calibration& calibration) {
 }
 
 CalibrationFiles write_calibration(const std::filesystem::path& out, const Calibration& calibration) {
-    const CalibrationFiles files = calibration_files(out);
+    CalibrationFiles files = calibration_files(out);
     std::vector<std::string> urls;
     for (const FoundSphere& sphere : calibration.lights.spheres)
         urls.push_back(picture_url(sphere_picture(sphere), out));

@@ -137,11 +137,11 @@ struct ThreadPlace {
 };
 
 Thread thread_at(const Weave& w, const Piece& piece, const ThreadPlace& place) {
-    const auto [across, along, across_size, along_size, warp] = place;
+    const float along = place.along, along_size = place.along_size;
     // An even number of threads each way, so that over and under match where the piece repeats.
-    const int threads = std::max(2, 2 * static_cast<int>(std::lround(across_size / w.pitch_mm / 2)));
+    const int threads = std::max(2, 2 * static_cast<int>(std::lround(place.across_size / w.pitch_mm / 2)));
     const int crossings = std::max(2, 2 * static_cast<int>(std::lround(along_size / w.pitch_mm / 2)));
-    const Seed which = warp ? 11 : 12;
+    const Seed which = place.warp ? 11 : 12;
     const auto slow = [&](int thread, float features, Seed salt) {  // varies along each thread by itself
         const int cells =
             std::max(1, static_cast<int>(std::lround(static_cast<float>(crossings) / features)));
@@ -149,7 +149,7 @@ Thread thread_at(const Weave& w, const Piece& piece, const ThreadPlace& place) {
         return tiled_noise(static_cast<float>(thread), at, threads, cells,
                            hash(hash(piece.seed, which), salt));
     };
-    const float position = across / across_size * static_cast<float>(threads);
+    const float position = place.across / place.across_size * static_cast<float>(threads);
     Thread best{w.hollow, 0, 0};
     float side = 0, highest = -10;
     const int near = static_cast<int>(std::lround(position - 0.5f));
@@ -162,7 +162,7 @@ Thread thread_at(const Weave& w, const Piece& piece, const ThreadPlace& place) {
         const float d = (position - (static_cast<float>(k) + 0.5f + wander)) / (0.5f * width);
         if (std::abs(d) >= 1.6f) continue;
         const float phase = along / along_size * static_cast<float>(crossings) + static_cast<float>(number) +
-                            (warp ? 0.0f : 1.0f);
+                            (place.warp ? 0.0f : 1.0f);
         const float over = std::cos(std::numbers::pi_v<float> * (phase - 0.5f));
         const float height = 0.62f * over + 0.9f * (1 - d * d) - 0.4f + 0.3f * (width / w.thread - 1);
         best.height = soft_max(best.height, height, kRound);

@@ -139,7 +139,7 @@ bool is_picture(const fs::path& path) {
 }
 
 fs::path kept_substrate_file(const std::string& name) {
-    const fs::path kept =
+    fs::path kept =
         name.find('/') == std::string::npos ? kept_substrate(substrate_shelf(), name) : fs::path();
     if (!kept.empty() && fs::exists(kept)) return kept;
     std::vector<std::string> names = substrate_names();

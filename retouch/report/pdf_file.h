@@ -10,10 +10,10 @@
 #include "surface/image/colour.h"
 
 // As their libraries declare them.
-using cairo_t = struct _cairo;
-using cairo_surface_t = struct _cairo_surface;
-using PangoLayout = struct _PangoLayout;
-using PangoLayoutLine = struct _PangoLayoutLine;
+using cairo_t = struct _cairo;                    // NOLINT(bugprone-reserved-identifier)
+using cairo_surface_t = struct _cairo_surface;    // NOLINT(bugprone-reserved-identifier)
+using PangoLayout = struct _PangoLayout;          // NOLINT(bugprone-reserved-identifier)
+using PangoLayoutLine = struct _PangoLayoutLine;  // NOLINT(bugprone-reserved-identifier)
 
 namespace tangi {
 

@@ -311,7 +311,7 @@ std::pair<ReportPlan, ReportPlan> plans(const ReportMatter& m) {
 // Returns the names, in `folder`.
 std::vector<fs::path> write_files(ReportMatter& m, const fs::path& folder, const std::string& stem,
                                   const fs::path& page, const std::string& published_at) {
-    const std::vector<fs::path> names = {
+    std::vector<fs::path> names = {
         stem + ".html",        stem + ".pdf",        stem + ".mask.colour.pdf",  stem + ".mask.white.pdf",
         stem + ".picture.jpg", stem + ".damage.png", stem + ".annotations.json", stem + ".manifest.json"};
     {

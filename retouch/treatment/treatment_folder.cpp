@@ -276,7 +276,7 @@ PendingStep::~PendingStep() {
 
 fs::path PendingStep::file(const std::string& path) const {
     TP_REQUIRE(stays_inside(path), "a step keeps its files in the treatment's folder");
-    const fs::path file = folder_ / kPending / path;
+    fs::path file = folder_ / kPending / path;
     make_folder(file.parent_path());
     return file;
 }

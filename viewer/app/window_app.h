@@ -46,7 +46,7 @@ private:
     };
 
     bool open_first();
-    void draw_opening(std::shared_ptr<const TexelTiles> overview, double mm_per_pixel);
+    void draw_opening(const std::shared_ptr<const TexelTiles>& overview, double mm_per_pixel);
     bool frame();
     Extent canvas_area();
     void advance(std::deque<InputEvent> events, double seconds);

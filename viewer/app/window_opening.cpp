@@ -87,7 +87,7 @@ bool WindowApp::open_first() {
     return true;
 }
 
-void WindowApp::draw_opening(std::shared_ptr<const TexelTiles> overview, double mm_per_pixel) {
+void WindowApp::draw_opening(const std::shared_ptr<const TexelTiles>& overview, double mm_per_pixel) {
     glfwGetFramebufferSize(window_.handle(), &window_size_.width, &window_size_.height);
     state_.window_width = window_size_.width;
     const int left = static_cast<int>(panels::width(state_));

@@ -39,7 +39,7 @@ struct View {
 
 std::filesystem::path photograph(const TestDir& dir, const Homography& h,
                                  int dictionary = cv::aruco::DICT_4X4_50) {
-    const auto path = dir / "photo_000.png";
+    auto path = dir / "photo_000.png";
     write_picture(path, picture_of(kFour, dictionary, h, 0.004), {Transfer::Kind::srgb});
     return path;
 }

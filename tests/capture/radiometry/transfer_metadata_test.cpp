@@ -36,7 +36,7 @@ std::string profile_of(cmsToneCurve* red, cmsToneCurve* green, cmsToneCurve* blu
                       {{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}});
 }
 std::string profile_of(cmsToneCurve* curve) {
-    const std::string bytes = profile_of(curve, curve, curve);
+    std::string bytes = profile_of(curve, curve, curve);
     cmsFreeToneCurve(curve);
     return bytes;
 }

@@ -58,7 +58,8 @@ TEST(LayerPictures, LaidOverEachOtherAreTheAppearance) {
         }
     // Each ingredient's planes add up to the layer.
     Image<float> sum(canvas.width(), canvas.height());
-    for (IngredientId id = 0; id < canvas.ingredients().size(); ++id) {
+    for (std::size_t k = 0; k < canvas.ingredients().size(); ++k) {
+        const auto id = static_cast<IngredientId>(k);
         const Image<float> mm = thickness_mm_of(canvas.wet(), id);
         for (std::size_t i = 0; i < sum.size(); ++i) sum.pixels()[i] += mm.pixels()[i];
     }

@@ -29,7 +29,7 @@ double number_of(const char* variable, double otherwise) {
 void expect_records_of_what_was_saved(const fs::path& folder) {
     int records = 0;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        const fs::path painting = entry.path();
+        const fs::path& painting = entry.path();
         if (painting.extension() != ".exr" || !fs::exists(recovery_files(painting).record) ||
             fs::exists(painting.parent_path() / "log.jsonl"))
             continue;

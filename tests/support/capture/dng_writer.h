@@ -47,12 +47,12 @@ inline void write_dng(const std::filesystem::path& path, const Image<Rgb>& camer
     };
     std::map<int, Entry> entries;
     const auto longs = [&](int tag, std::uint32_t v) { entries[tag] = {4, 1, le(v, 4)}; };
-    const auto shorts = [&](int tag, std::vector<int> v) {
+    const auto shorts = [&](int tag, const std::vector<int>& v) {
         Bytes bytes;
         for (const int s : v) bytes += le(static_cast<std::uint64_t>(s), 2);
         entries[tag] = {3, v.size(), bytes};
     };
-    const auto text = [&](int tag, Bytes v) { entries[tag] = {2, v.size() + 1, v + '\0'}; };
+    const auto text = [&](int tag, const Bytes& v) { entries[tag] = {2, v.size() + 1, v + '\0'}; };
     longs(254, 0);
     longs(256, static_cast<std::uint32_t>(camera.width()));
     longs(257, static_cast<std::uint32_t>(camera.height()));

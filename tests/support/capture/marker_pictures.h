@@ -37,8 +37,9 @@ inline Image<Rgb> picture_of(const std::vector<Placed>& placed, int dictionary, 
         for (int x = 0; x < 800; ++x) {
             float sum = 0;
             for (int s = 0; s < 16; ++s) {
+                const int column = s % 4, row = s / 4;
                 const glm::dvec2 mm =
-                    mapped(inverse, glm::dvec2(x + (s % 4 - 1.5) / 4, y + (s / 4 - 1.5) / 4));
+                    mapped(inverse, glm::dvec2(x + (column - 1.5) / 4, y + (row - 1.5) / 4));
                 float value = 0.7f;
                 for (std::size_t i = 0; i < placed.size(); ++i) {
                     const double turn = placed[i].turn_deg * std::numbers::pi / 180;

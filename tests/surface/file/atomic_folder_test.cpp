@@ -180,7 +180,7 @@ TEST(StaleTemporaries, OfADeadProgramGoWhenTheFileIsWrittenAgain) {
                     leave(".a.x.tmp.exr", "not ours", hour),
                     leave(named("a.b", dead, ".exr"), "of a.b", hour)};
     write_text_file(dir / "a.exr", "whole");
-    AtomicFile(dir / "a.ora");
+    { const AtomicFile of_another_kind(dir / "a.ora"); }
     std::sort(others.begin(), others.end());
     others.emplace_back("a.exr");
     Names left;
