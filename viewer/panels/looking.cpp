@@ -42,7 +42,8 @@ void dome(WindowState& s) {
     }
     if (!s.comparing.on) return;
     float y = centre.y - ImGui::GetTextLineHeight();
-    for (const char* line : s.comparing.pair ? std::array{"two states", "in one light"} : std::array{"lit as the", "photograph"}) {
+    for (const char* line : s.comparing.pair ? std::array{"two states", "in one light"}
+                                             : std::array{"lit as the", "photograph"}) {
         const float wide = ImGui::CalcTextSize(line).x;
         draw->AddText({centre.x - wide / 2, y}, IM_COL32(255, 205, 80, 255), line);
         y += ImGui::GetTextLineHeight();
@@ -168,7 +169,8 @@ void look_of(WindowState& s) {
             s.most_curvature = most * unit;
         tip("Orange: bumps; blue: hollows, cracks, the edges of losses");
     }
-    if (ImGui::BeginCombo(with_key(s, "Illuminant", Action::illuminant).c_str(), light_named(s.illuminant_now()))) {
+    if (ImGui::BeginCombo(with_key(s, "Illuminant", Action::illuminant).c_str(),
+                          light_named(s.illuminant_now()))) {
         for (const LightName& light : kLights)
             if (ImGui::Selectable(light.name, light.illuminant == s.illuminant)) s.see_in(light.illuminant);
         ImGui::EndCombo();

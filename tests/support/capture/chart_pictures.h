@@ -27,8 +27,7 @@ inline void draw_chart(Image<Rgb>& picture, const Homography& chart_to_picture,
             Rgb sum(0);
             for (int s = 0; s < 9; ++s) {
                 const int column = s % 3, row = s / 3;
-                const glm::dvec2 p =
-                    mapped(inverse, glm::dvec2(x + (column - 1) / 3.0, y + (row - 1) / 3.0));
+                const glm::dvec2 p = mapped(inverse, glm::dvec2(x + (column - 1) / 3.0, y + (row - 1) / 3.0));
                 Rgb colour = picture(x, y);
                 if (p.x > -0.2 && p.y > -0.2 && p.x < 6.2 && p.y < 4.2) {
                     colour = Rgb(0.015f);
