@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <opencv2/core.hpp>
 
+#include "capture/registration/alignment.h"
 #include "surface/base/median.h"
 
 namespace tangi {
@@ -89,7 +90,7 @@ SharedShading shared_shading(const std::vector<glm::dvec2>& shifts, const std::v
                              const std::vector<bool>& counted) {
     SharedShading result;
     const auto count = std::count(counted.begin(), counted.end(), true);
-    const int n = count >= 24 ? 8 : count >= 14 ? 5 : count >= 7 ? 3 : 1;
+    const int n = count >= 24 ? 8 : count >= 14 ? 5 : count >= Alignment::kEnoughForRelief ? 3 : 1;
     result.of_photo = shading_of_photos(shading_terms(shifts, lights, counted, n), lights, counted);
     double smooth = 0;
     for (std::size_t i = 0; i < shifts.size(); ++i) {
