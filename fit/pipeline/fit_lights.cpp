@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "capture/radiometry/colour_saturation.h"
-#include "fit/calibration/capture_order_gain.h"
 #include "fit/exchange/float_scale.h"
 
 namespace tangi {
@@ -52,26 +51,13 @@ std::vector<std::optional<glm::dvec2>> log_gains_by_chart(const Stack& stack) {
     return by_chart;
 }
 
-// What is known of the photographs that were fitted, for those that were not.
-struct HeldOutLights {
-    const LightCalibration& calibration;
-    const Photography& fitted;
-    const std::vector<Light>& lights;  // in the order of their paths
-    ShotOrder order{};
-};
-
-// The light of a photograph that was held out, `before` of the fitted ones being before it.
-Light held_out_light(const StackPhoto& photo, long before, const HeldOutLights& known) {
+// The light of a photograph that was held out.
+Light held_out_light(const StackPhoto& photo, const LightCalibration& calibration,
+                     const Photography& fitted) {
     Light light = photo.light;
-    light.direction = corrected_direction(known.calibration, light.direction);
+    light.direction = corrected_direction(calibration, light.direction);
     if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
-    Light photographed = as_photographed(light, known.fitted);
-    if (known.fitted.light_model)
-        photographed.gain =
-            static_cast<float>(predicted_gain(known.order, *known.fitted.light_model, known.lights,
-                                              photographed.direction, static_cast<int>(before))) *
-            (photographed.gain / photographed.gain.g);
-    return photographed;
+    return as_photographed(light, fitted);
 }
 
 }  // namespace
@@ -125,7 +111,6 @@ LightOutliers light_outliers_of(const Stack& stack, const LightCalibration& cali
 void describe_lights(const Stack& stack, const LightCalibration& calibration, Photography& photography) {
     const std::vector<Light>& lights = calibration.lighting.lights;
     photography.rig = calibration.lighting.rig;
-    photography.light_model = calibration.light_model;
     photography.beams = calibration.beams;
     const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
         photography.photos.push_back({light, fitted, photo.homography});
@@ -134,14 +119,10 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
     };
     for (std::size_t i = 0; i < stack.photos.size(); ++i)
         add(in_colour(lights[i], stack), true, stack.photos[i]);
+    if (calibration.light_model) photography.light_model = fit_light_model(fitted_lights(photography));
     const Photography fitted = photography;
-    HeldOutLights known{calibration, fitted, lights};
-    if (fitted.light_model) known.order = fit_shot_order(*fitted.light_model, lights);
-    for (const StackPhoto& photo : stack.held_out) {
-        const auto before = std::count_if(stack.photos.begin(), stack.photos.end(),
-                                          [&](const StackPhoto& p) { return p.path < photo.path; });
-        add(held_out_light(photo, before, known), false, photo);
-    }
+    for (const StackPhoto& photo : stack.held_out)
+        add(held_out_light(photo, calibration, fitted), false, photo);
 }
 
 }  // namespace tangi

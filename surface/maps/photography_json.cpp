@@ -15,14 +15,44 @@ namespace {
 
 json array_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-json to_json(const LightModel& model) {
-    return {{"trend", model.trend}, {"reach", model.reach}, {"shrink", model.shrink}};
+json to_json(const GaussianProcess& process) {
+    json parts = json::array();
+    for (const GaussianProcess::Part& part : process.parts)
+        parts.push_back({{"reach", part.reach}, {"weights", part.weights}});
+    return {{"mean", process.mean}, {"parts", std::move(parts)}};
 }
 
-LightModel light_model_of(const json& j) {
-    return {.trend = j.at("trend").get<std::array<double, 6>>(),
-            .reach = j.at("reach").get<double>(),
-            .shrink = j.at("shrink").get<double>()};
+// `lights`: that it was fitted to.
+GaussianProcess process_of(const json& j, std::size_t lights) {
+    GaussianProcess process{.mean = j.at("mean").get<double>(), .parts = {}};
+    for (const json& written : j.at("parts")) {
+        process.parts.push_back({written.at("reach").get<double>(), written.at("weights")});
+        const GaussianProcess::Part& part = process.parts.back();
+        if (!(part.reach > 0)) fail("the reach of a light model is not above 0");
+        if (part.weights.size() != lights)
+            fail("a light model has {} weights for {} lights", part.weights.size(), lights);
+    }
+    return process;
+}
+
+json to_json(const LightModel& model) {
+    json written = to_json(model.log_gain);
+    if (model.log_colours) {
+        written["red"] = to_json((*model.log_colours)[0]);
+        written["blue"] = to_json((*model.log_colours)[1]);
+    }
+    return written;
+}
+
+// Models of version 0.1, a trend with leftovers, are made anew from the lights.
+bool is_of_trend(const json& j) { return j.contains("trend"); }
+
+LightModel light_model_of(const json& j, const std::vector<Light>& lights) {
+    if (is_of_trend(j)) return fit_light_model(lights);
+    LightModel model{process_of(j, lights.size())};
+    if (j.contains("red"))
+        model.log_colours = {process_of(j["red"], lights.size()), process_of(j.at("blue"), lights.size())};
+    return model;
 }
 
 // No number of a capture is as large: the squares of larger ones overflow.
@@ -85,7 +115,7 @@ json to_json(const Photography& photography) {
     if (photography.light_model) result["light_model"] = to_json(*photography.light_model);
     if (const auto& beams = photography.beams) {
         json terms = json::array();
-        for (const LightModel& term : beams->terms) terms.push_back(to_json(term));
+        for (const GaussianProcess& term : beams->terms) terms.push_back(to_json(term));
         result["beams"] = {{"radius_mm", beams->radius_mm}, {"terms", std::move(terms)}};
     }
     return result;
@@ -130,12 +160,14 @@ Rig rig_of(const json& written) {
     return rig;
 }
 
-BeamModel beam_model_of(const json& written) {
+BeamModel beam_model_of(const json& written, const std::vector<Light>& lights) {
     BeamModel beams;
     beams.radius_mm = written.at("radius_mm").get<double>();
     if (!(beams.radius_mm > 0)) fail("beams.radius_mm is not above 0");
+    const json& terms = written.at("terms");
+    if (is_of_trend(terms.at(0))) return fit_beam_model(lights, beams.radius_mm);
     for (std::size_t i = 0; i < beams.terms.size(); ++i)
-        beams.terms[i] = light_model_of(written.at("terms").at(i));
+        beams.terms[i] = process_of(terms.at(i), lights.size());
     return beams;
 }
 
@@ -156,8 +188,9 @@ Photography photography_from_json(const json& written) {
         const double size = glm::determinant(*photography.to_camera);
         if (!(std::abs(size) > 1e-9 && std::abs(size) < 1e9)) fail("to_camera has no inverse");
     }
-    if (j.contains("light_model")) photography.light_model = light_model_of(j.at("light_model"));
-    if (j.contains("beams")) photography.beams = beam_model_of(j["beams"]);
+    const std::vector<Light> lights = fitted_lights(photography);
+    if (j.contains("light_model")) photography.light_model = light_model_of(j.at("light_model"), lights);
+    if (j.contains("beams")) photography.beams = beam_model_of(j["beams"], lights);
     return photography;
 }
 

@@ -57,6 +57,13 @@ const Photography::Photo* find_photo(const Photography& photography, const Light
     return nullptr;
 }
 
+std::vector<Light> fitted_lights(const Photography& photography) {
+    std::vector<Light> lights;
+    for (const Photography::Photo& photo : photography.photos)
+        if (photo.fitted) lights.push_back(photo.light);
+    return lights;
+}
+
 Light as_photographed(const Light& light, const Photography& photography) {
     Light result = light;
     if (const Photography::Photo* photo = find_photo(photography, light)) {
@@ -68,13 +75,11 @@ Light as_photographed(const Light& light, const Photography& photography) {
         }
         return result;
     }
-    std::vector<Light> fitted;
-    for (const Photography::Photo& photo : photography.photos)
-        if (photo.fitted) fitted.push_back(photo.light);
+    const std::vector<Light> fitted = fitted_lights(photography);
     if (!result.position_mm) place(result, photography.rig);
     if (photography.light_model)
         result.gain = static_cast<float>(predicted_gain(*photography.light_model, fitted, result.direction)) *
-                      predicted_colour(fitted, result.direction);
+                      predicted_colour(*photography.light_model, fitted, result.direction);
     if (photography.beams) result.beam = predicted_beam(*photography.beams, fitted, result.direction);
     return result;
 }

@@ -49,6 +49,9 @@ glm::dmat3 from_camera(const Photography& photography);
 // found or of what its lights file said: photographs of different stacks have the same names (image00.jpg).
 const Photography::Photo* find_photo(const Photography& photography, const Light& light);
 
+// Of the photographs that were fitted: what light_model and beams are of.
+std::vector<Light> fitted_lights(const Photography& photography);
+
 // The light with the strength (and, unless it has a position, with direction and position) that it had in its
 // photograph; where there is none,
 // as strong and as near as the lights that were photographed make likely.

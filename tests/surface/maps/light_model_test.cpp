@@ -45,13 +45,14 @@ TEST(LightModel, FollowsASmoothTrend) {
 
 TEST(LightModel, PredictsColoursAsItDoesStrengths) {
     std::vector<Light> lights = lights_of(60, [](const Vec3&) { return 0.8; });
-    EXPECT_EQ(predicted_colour(lights, {0, 0, 1}), Rgb(1)) << "of lights without colour";
+    EXPECT_EQ(predicted_colour(fit_light_model(lights), lights, {0, 0, 1}), Rgb(1)) << "of lights without colour";
     const auto red = [](const Vec3& l) { return std::exp(0.3f * l.x); };
     for (Light& light : lights) light.gain *= Rgb(red(light.direction), 1, 0.9f);
+    const LightModel model = fit_light_model(lights);
     Random random(5);
     for (int i = 0; i < 50; ++i) {
         const Vec3 direction = random.direction(0.3);
-        const Rgb colour = predicted_colour(lights, direction);
+        const Rgb colour = predicted_colour(model, lights, direction);
         EXPECT_NEAR(colour.r, red(direction), 0.05);
         EXPECT_EQ(colour.g, 1);
         EXPECT_NEAR(colour.b, 0.9, 0.005);

@@ -82,20 +82,53 @@ TEST(PhotographyJson, WithAFieldMissingOrOfAnotherTypeThrows) {
 TEST(PhotographyJson, RoundTripsRigAndLights) {
     Photography p;
     p.photos.emplace_back().light.beam.terms = {0.5f, -0.25f, 0.125f, 0, 1e-3f};
+    p.photos.back().fitted = true;
     p.beams = BeamModel{.radius_mm = 120.5};
-    p.beams->terms[3] = {{1, 2, 3, 4, 5, 6}, 0.25, 3};
+    p.beams->terms[3] = {0.25, {{0.4, {-3}}}};
     p.rig = {.ambient = 0.0625f,
              .camera_distance_mm = 612.5f,
              .light_distance_mm = {},
              .surface_above_mm = 3.5f,
              .bend_per_mm = -1e-4f,
              .light_radius_deg = 2.5f};
-    p.light_model = LightModel{{0.1, 0.2, -0.3, 0.4, 0.5, -0.6}, 0.4, 1e9};
+    p.light_model = LightModel{{0.1, {{0.2, {0.5}}, {3.2, {-0.6}}}}};
+    p.light_model->log_colours.emplace()[1] = {0.3, {{0.8, {1e-9}}}};
     const Photography back = photography_from_json(read_json(to_json(p).dump(), "JSON"));
     EXPECT_EQ(back.rig, p.rig);
     EXPECT_EQ(back.light_model, p.light_model);
     EXPECT_EQ(back.beams, p.beams);
     EXPECT_EQ(back.photos.at(0).light.beam, p.photos[0].light.beam);
+}
+
+Photography with_strengths() {
+    Photography p;
+    for (const Light& light : dome_lights(12)) {
+        p.photos.push_back({light, true});
+        p.photos.back().light.gain = Rgb(std::exp(0.3f * light.direction.x));
+    }
+    p.photos.push_back({distant_light({0, 0, 1}, "held out"), false});
+    p.light_model = fit_light_model(fitted_lights(p));
+    return p;
+}
+
+TEST(PhotographyJson, HasAWeightForEachFittedLight) {
+    json j = to_json(with_strengths());
+    EXPECT_EQ(photography_from_json(j).light_model, with_strengths().light_model);
+    j["light_model"]["parts"][0]["weights"].push_back(0.5);
+    EXPECT_EQ(error_of([&] { photography_from_json(j); }), "a light model has 13 weights for 12 lights");
+}
+
+// A trend with leftovers, from the same lights.
+TEST(PhotographyJson, OfVersion01HasItsLightModelsMadeAnew) {
+    Photography p = with_strengths();
+    p.beams = fit_beam_model(fitted_lights(p), 100);
+    json j = to_json(p);
+    const json trend = {{"trend", {0, 0.3, 0, 0, 0, 0}}, {"reach", 0.2}, {"shrink", 1}};
+    j["light_model"] = trend;
+    j["beams"]["terms"] = {trend, trend, trend, trend, trend};
+    const Photography back = photography_from_json(j);
+    EXPECT_EQ(back.light_model, p.light_model);
+    EXPECT_EQ(back.beams, p.beams);
 }
 
 TEST(PhotographyJson, HasLightsOfAPossibleSize) {
