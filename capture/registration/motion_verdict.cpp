@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "capture/registration/shading_induced_motion.h"
 #include "capture/stack/duplicate_photos.h"
@@ -24,6 +25,7 @@ constexpr double kTiedErrorPx = 0.04;
 constexpr double kLeastErrorPx = 0.02;  // [pixels]
 constexpr double kFlatErrorPx = 0.5;    // [pixels] with too few photographs to tell relief from motion
 constexpr double kLeastCertainty = 6;   // [standard errors]
+constexpr double kNear = 1.5;           // [1] times the distance of the frame that is nearest to all
 constexpr double kTellingMotion = 0.5;  // [1] of the median photograph's contrast must be expected of one ...
 constexpr double kLowLight = 0.26;      // [1] ... whose light has this z, for it to be missed: 15 degrees
 
@@ -116,6 +118,7 @@ private:
                              kJumpErrors * own_error_px(alignment_.pictures[i])});
     }
     std::size_t find_reference() const;
+    double median_distance_px(std::size_t i) const;
     Homography without_shading(std::size_t i) const {
         Homography h = alignment_.pictures[i].homography;
         if (!shading_is_motion_)
@@ -151,16 +154,33 @@ MotionVerdict::MotionVerdict(const AlignedStack& stack, const Alignment& alignme
     reference_ = find_reference();
 }
 
-// The first photograph, by path, that was found for sure and did not jump.
+// [pixels] Of the others that were found, from this one.
+double MotionVerdict::median_distance_px(std::size_t i) const {
+    const Homography back = glm::inverse(without_shading(i));
+    std::vector<double> distances;
+    for (std::size_t k = 0; k < stack_.photos.size(); ++k)
+        if (found_[k] && k != i)
+            distances.push_back(
+                rms_displacement(motion_of(normalised(without_shading(k) * back), stack_.frame)));
+    return median(std::move(distances));
+}
+
+// The first photograph, by path, that was found for sure, did not jump and lies where the others do: what
+// is resampled by less is the sharper, and a picture relit is seen where most photographs saw it.
 std::size_t MotionVerdict::find_reference() const {
     const std::size_t count = stack_.photos.size();
     std::vector<double> correlations;
     for (std::size_t i = 0; i < count; ++i)
         if (found_[i]) correlations.push_back(alignment_.pictures[i].correlation);
     const double least = median(std::move(correlations)) / 2;  // less may be there by chance
+    std::vector<double> distances(count, std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < count; ++i)
+        if (found_[i] && alignment_.pictures[i].correlation >= least && (all_moved_ || !jumped(i)))
+            distances[i] = all_moved_ ? median_distance_px(i) : 0;
+    const double nearest = *std::min_element(distances.begin(), distances.end());
     std::size_t reference = count;
     for (std::size_t i = 0; i < count; ++i)
-        if (found_[i] && alignment_.pictures[i].correlation >= least && (all_moved_ || !jumped(i)) &&
+        if (distances[i] < std::numeric_limits<double>::infinity() && distances[i] <= kNear * nearest &&
             (reference == count || stack_.photos[i]->path < stack_.photos[reference]->path))
             reference = i;
     return reference == count ? 0 : reference;

@@ -110,6 +110,21 @@ TP_LONG TEST(RegisterStack, FindsNoMotionInAFewPhotographs) {
     }
 }
 
+// The first photograph was taken before somebody touched the camera, which shook a little afterwards: the
+// painting is where most photographs saw it.
+TEST(RegisterStack, HasTheFrameThatMostPhotographsHave) {
+    const RegistrationScene scene(24, [](int i) {
+        return i == 0 ? MotionVector{3, -2} : jitter(i, 0.4, 0);
+    });
+    Stack stack = open_stack(scene.folder.path());
+    const Registration r = register_stack(stack, {});
+    EXPECT_TRUE(r.moved);
+    EXPECT_NE(r.reference, "photo_000.png");
+    EXPECT_TRUE(r.photos[0].warped);
+    EXPECT_LE(r.typical_drift_px, 0.5);
+    EXPECT_LE(scene.rms_jitter_px(r), 0.45);  // of photographs that stay where they are, too
+}
+
 TEST(RegisterStack, FollowsAFewPhotographsThatMovedAndSaysHowWell) {
     for (const int lights : {5, 6}) {
         const RegistrationScene scene(lights, 4, 0);
