@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "surface/base/gaussian_process.h"
+#include "surface/maps/gaussian_process.h"
 #include "surface/maps/light.h"
 
 namespace tangi {

@@ -51,13 +51,14 @@ TP_LONG TEST_P(RegisterStackThat, IsUndoneToTheErrorThatIsStated) {
     EXPECT_TRUE(r.moved);
     EXPECT_THAT(stack.warnings, testing::IsEmpty());
     ASSERT_EQ(stack.photos.size() + stack.held_out.size(), std::size_t{kMovedPhotos});
+    const std::size_t reference = scene.reference_of(r);
     double squares = 0, moved = 0;
     std::size_t fitted = 0, held_out = 0;
     for (int i = 0; i < kMovedPhotos; ++i) {
         const bool held = i >= 3 && (i - 3) % 8 == 0;
         const PhotoDrift& d = held ? r.held_out[held_out++] : r.photos[fitted++];
         const double error =
-            scene.error_px(d.warped ? d.homography : Homography(1), static_cast<std::size_t>(i));
+            scene.error_px(d.warped ? d.homography : Homography(1), static_cast<std::size_t>(i), reference);
         EXPECT_LT(error, std::max(0.15, 3 * d.error_px)) << d.name;
         if (!held) squares += error * error;
         const double by = rms_displacement(motion_of(scene.truth[static_cast<std::size_t>(i)], scene.frame));

@@ -25,13 +25,13 @@ inline std::vector<float> random_codes(int channels, int bits) {
     return values;
 }
 
-inline void write(const fs::path& path, OIIO::ImageSpec spec, const std::vector<float>& values) {
+inline void write(const fs::path& path, const OIIO::ImageSpec& spec, const std::vector<float>& values) {
     const auto output = OIIO::ImageOutput::create(path.string());
     ASSERT_TRUE(output && output->open(path.string(), spec)) << OIIO::geterror();
     ASSERT_TRUE(output->write_image(TypeDesc::FLOAT, values.data()) && output->close()) << output->geterror();
 }
 
-inline OIIO::ImageSpec spec_of(TypeDesc type, int channels = 3) {
+inline OIIO::ImageSpec spec_of(const TypeDesc& type, int channels = 3) {
     return {kPhotoWidth, kPhotoHeight, channels, type};
 }
 

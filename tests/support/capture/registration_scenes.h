@@ -84,23 +84,34 @@ struct RegistrationScene {
             truth.push_back(homography_of(motion(i), frame));
             const Image<Rgb> photo = photographed(render_photo(of, light, options), truth.back());
             listed.push_back(light);
-            listed.back().name = fmt::format("photo_{:03d}.png", i);
+            listed.back().name = stem_of(i) + "png";
             write_picture(folder / listed.back().name, apply_sensor(photo, options, i), {}, {.bits = 16});
         }
         write_lights(folder / "lights.lp", listed);
     }
 
-    // [pixels] over the picture.
-    double error_px(const Homography& found, std::size_t photo) const {
+    // The photograph whose frame a registration has.
+    std::size_t reference_of(const Registration& registration) const {
+        for (std::size_t i = 0; i < truth.size(); ++i)
+            if (registration.reference.starts_with(stem_of(static_cast<int>(i)))) return i;
+        ADD_FAILURE() << "no photograph is called " << registration.reference;
+        return 0;
+    }
+
+    // [pixels] over the picture, of a homography from the frame of photograph `reference`.
+    double error_px(const Homography& found, std::size_t photo, std::size_t reference) const {
+        const Homography true_one = truth[photo] * glm::inverse(truth[reference]);
         double sum = 0, count = 0;
         for (double y = 0; y <= 1; y += 0.1)
             for (double x = 0; x <= 1; x += 0.1, count += 1) {
                 const glm::dvec2 p(x * kWidth, y * kHeight);
-                const glm::dvec2 d = mapped(found, p) - mapped(truth[photo], p);
+                const glm::dvec2 d = mapped(found, p) - mapped(true_one, p);
                 sum += glm::dot(d, d);
             }
         return std::sqrt(sum / count);
     }
+
+    static std::string stem_of(int photo) { return fmt::format("photo_{:03d}.", photo); }
 
     // [pixels] At the centre, after the mean of all photographs.
     double rms_jitter_px(const Registration& registration) const {
@@ -119,7 +130,7 @@ struct RegistrationScene {
     double rms_error_px(const Registration& registration) const {
         double sum = 0;
         for (std::size_t i = 0; i < registration.photos.size(); ++i) {
-            const double e = error_px(registration.photos[i].homography, i);
+            const double e = error_px(registration.photos[i].homography, i, reference_of(registration));
             sum += e * e;
         }
         return std::sqrt(sum / static_cast<double>(registration.photos.size()));

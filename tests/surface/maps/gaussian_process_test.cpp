@@ -1,5 +1,5 @@
 // gaussian_process_test.cpp: a smooth function over directions.
-#include "surface/base/gaussian_process.h"
+#include "surface/maps/gaussian_process.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "surface/base/gaussian_process.h"
+#include "surface/maps/gaussian_process.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
