@@ -166,8 +166,8 @@ double MotionVerdict::median_distance_px(std::size_t i) const {
     return median(std::move(distances));
 }
 
-// The first photograph by path, whose frame masks and calibrations have, of those that were found for sure and
-// did not jump. Where it lies apart from the others, the one that is nearest to all: what is resampled by
+// The first photograph by path, whose frame masks and calibrations have, of those that were found for sure
+// and did not jump. Where it lies apart from the others, the one that is nearest to all: what is resampled by
 // less is the sharper, and a picture relit is seen where most photographs saw it.
 std::size_t MotionVerdict::find_reference() const {
     std::vector<double> correlations;

@@ -17,13 +17,14 @@ using Eigen::VectorXd;
 
 // What is averaged over. From lights side by side to far beyond the hemisphere, where there is but a trend;
 // and from a function that is known as it stands to noise alone.
-constexpr std::array kReaches = {0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4};          // [1]
-constexpr std::array kNoises = {1e-4, 1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3};  // [1] variances, of the function's
-constexpr double kFreedom = 4;         // degrees, of Student's distribution
-constexpr int kMostRounds = 12;        // of the noise of single values, which by then hardly change
-constexpr double kSettled = 0.02;      // [1] change of that noise, relative
-constexpr double kLeastSigma = 1e-4;   // [unit of the values] of noise: equal values have a likelihood, too
-constexpr double kNegligible = 1e-3;   // [1] probability of what is left out
+constexpr std::array kReaches = {0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4};  // [1]
+constexpr std::array kNoises = {1e-4, 1e-3, 1e-2, 1e-1,
+                                1.0,  1e1,  1e2,  1e3};  // [1] variances, of the function's
+constexpr double kFreedom = 4;                           // degrees, of Student's distribution
+constexpr int kMostRounds = 12;       // of the noise of single values, which by then hardly change
+constexpr double kSettled = 0.02;     // [1] change of that noise, relative
+constexpr double kLeastSigma = 1e-4;  // [unit of the values] of noise: equal values have a likelihood, too
+constexpr double kNegligible = 1e-3;  // [1] probability of what is left out
 
 double covariance(double distance, double reach) {
     const double s = std::sqrt(5.0) * distance / reach;
@@ -85,12 +86,11 @@ private:
         const double variance = beyond.dot(h.weights) / free + kLeastSigma * kLeastSigma;
         const double log_determinant = 2 * factor.matrixLLT().diagonal().array().log().sum();
         const double of_times = kFreedom * (times.array().log() + 1 / times.array()).sum();
-        h.log_likelihood =
-            -(free * std::log(variance) + log_determinant + std::log(ones) + of_times) / 2;
+        h.log_likelihood = -(free * std::log(variance) + log_determinant + std::log(ones) + of_times) / 2;
         // What the function leaves of each value, and how far it is itself unsure there: in usual variances.
         const VectorXd own = noise * times;
-        const VectorXd left = (own.array() * h.weights.array()).square() / variance +
-                              own.array() - own.array().square() * inverse.diagonal().array();
+        const VectorXd left = (own.array() * h.weights.array()).square() / variance + own.array() -
+                              own.array().square() * inverse.diagonal().array();
         return (kFreedom + left.array() / noise) / (kFreedom + 1);
     }
 

@@ -67,9 +67,8 @@ Beam predicted_beam(const BeamModel& model, std::span<const Light> lights, const
     Beam beam;
     const std::vector<glm::dvec3> directions = directions_of(lights);
     for (std::size_t term = 0; term < model.terms.size(); ++term)
-        beam.terms[term] =
-            static_cast<float>(predicted(model.terms[term], directions, glm::dvec3(direction)) /
-                               unit_of(term, model.radius_mm));
+        beam.terms[term] = static_cast<float>(
+            predicted(model.terms[term], directions, glm::dvec3(direction)) / unit_of(term, model.radius_mm));
     return beam;
 }
 

@@ -115,9 +115,7 @@ TP_LONG TEST(RegisterStack, FindsNoMotionInAFewPhotographs) {
 // The first photograph was taken before somebody touched the camera, which shook a little afterwards: the
 // painting is where most photographs saw it.
 TEST(RegisterStack, HasTheFrameThatMostPhotographsHave) {
-    const RegistrationScene scene(24, [](int i) {
-        return i == 0 ? MotionVector{3, -2} : jitter(i, 0.4, 0);
-    });
+    const RegistrationScene scene(24, [](int i) { return i == 0 ? MotionVector{3, -2} : jitter(i, 0.4, 0); });
     Stack stack = open_stack(scene.folder.path());
     const Registration r = register_stack(stack, {});
     EXPECT_TRUE(r.moved);

@@ -52,7 +52,7 @@ TEST(GaussianProcess, IsThroughWhatIsSmooth) {
 }
 
 TEST(GaussianProcess, HasTheUnitAndTheMeanOfItsValues) {
-    const Known once(30, smooth), twice(30, [](const dvec3& d) { return 5 + 100 * smooth(d); });
+    const Known once(30, smooth), twice(30, [](const dvec3&d) { return 5 + 100 * smooth(d); });
     const dvec3 between = glm::normalize(dvec3(0.3, -0.2, 0.8));
     EXPECT_NEAR(twice.at(between), 5 + 100 * once.at(between), 0.05);
 }
@@ -85,8 +85,8 @@ TEST(GaussianProcess, OfEqualFewAndNoValues) {
     EXPECT_EQ(fit_gaussian_process({}, {}), GaussianProcess());
     const std::vector<dvec3> one = {{0, 0, 1}}, two = {{0, 0, 1}, {1, 0, 0}};
     EXPECT_EQ(predicted(fit_gaussian_process(one, std::vector{2.5}), one, {1, 0, 0}), 2.5);
-    const double between = predicted(fit_gaussian_process(two, std::vector{1.0, 2.0}), two,
-                                     glm::normalize(dvec3(1, 0, 1)));
+    const double between =
+        predicted(fit_gaussian_process(two, std::vector{1.0, 2.0}), two, glm::normalize(dvec3(1, 0, 1)));
     EXPECT_NEAR(between, 1.5, 1e-9);
 }
 

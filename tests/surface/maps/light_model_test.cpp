@@ -45,7 +45,8 @@ TEST(LightModel, FollowsASmoothTrend) {
 
 TEST(LightModel, PredictsColoursAsItDoesStrengths) {
     std::vector<Light> lights = lights_of(60, [](const Vec3&) { return 0.8; });
-    EXPECT_EQ(predicted_colour(fit_light_model(lights), lights, {0, 0, 1}), Rgb(1)) << "of lights without colour";
+    EXPECT_EQ(predicted_colour(fit_light_model(lights), lights, {0, 0, 1}), Rgb(1))
+        << "of lights without colour";
     const auto red = [](const Vec3& l) { return std::exp(0.3f * l.x); };
     for (Light& light : lights) light.gain *= Rgb(red(light.direction), 1, 0.9f);
     const LightModel model = fit_light_model(lights);
