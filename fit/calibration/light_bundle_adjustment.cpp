@@ -151,9 +151,7 @@ bool LightBundleAdjustment::solve(const JointFreedom& freedom, JointStart start)
     robust_scale = scale;
     const double* r = problem.rig();
     rig = {r[0], r[1], r[2], r[3], r[4], r[5]};
-    field = problem.directions();
     cost = minimum;
-    coefficients.assign(problem.field(), problem.field() + problem.field_size());
     return true;
 }
 

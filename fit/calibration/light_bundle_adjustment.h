@@ -80,8 +80,6 @@ struct LightBundleAdjustment {
         turns;  // of the directions (light_direction_field.h): start, and result; one a photograph
     std::vector<std::array<double, 5>> beams;  // by beam_terms() of light_residual.h: start, and result
     RigParameters rig;                         // start, and result
-    DirectionField field;                      // result: of the smooth part of the turns ...
-    std::vector<double> coefficients;          // ... by these; none where directions are listed
 
     double cost = 0;  // result: half the sum of squares, as the robust loss counts them, priors included
 

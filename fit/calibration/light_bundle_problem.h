@@ -43,7 +43,6 @@ public:
     // Pixels are many and meet only in the lights and the rig.
     std::vector<double*> eliminated();
     ceres::Problem& problem() { return problem_; }
-    const DirectionField& directions() const { return directions_; }
     const JointFreedom& freedom() const { return freedom_; }
     bool measured() const { return freedom_.directions == DirectionFreedom::measured; }
 

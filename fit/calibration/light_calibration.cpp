@@ -21,33 +21,17 @@ constexpr int kFewestForOwn = 12;
 constexpr int kFiner = 4;              // pixels that the chosen model is solved with at last, by those before
 constexpr std::size_t kMostNamed = 5;  // lights, in a warning
 constexpr double kDoubtful_deg = 5;    // [deg] a correction that the user is told of
-// A smooth correction is believed where lights turned by so many standard errors: less, and it takes up what
-// the model leaves out (synth_canvas, whose directions are right: 2.6; leaf: 4.7).
-constexpr double kSureTurns = 3;
-// [dB] Likewise by strengths of their own: one unknown a light. They are looked at last, since lights of
-// wrong direction seem to be of wrong strength.
-constexpr double kGainsWorth_db = 0.75;
-// Or so many pixels, where metal outweighs all others in a photograph (generated gold beside paint, lights
-// twice apart: 0.82, 2.2 dB).
-constexpr PixelWorth kGainsWorth{0.8, 1};
-// [dB] Likewise by beams of their own, five unknowns a light, and then lights that no photograph had must not
-// be predicted any worse (fresco lost 0.8 dB where 0.1 was let pass).
-constexpr double kBeamsWorth_db = 1.5;
-// Or so many pixels (generated reflectors: 0.98 to 0.99, 1.2 to 4.5 dB; fresco: 0.94, 0.7 dB).
-constexpr PixelWorth kBeamsWorth{0.9, 1.5};
-// Fewer photographs don't tell a light's direction from what the model leaves out: of 16 lights whose
-// directions were right, some were "corrected" by 5 degrees.
-constexpr std::size_t kFewestForDirections = 24;
 
-// Root mean square over the lights of how far they turned, in standard errors.
-double turns_in_sigmas(const LightCalibration& calibration) {
-    double squares = 0, count = 0;
-    for (const LightCalibration::Turn& turn : calibration.turns) {
-        if (!(turn.sigma_deg > 0)) continue;
-        squares += turn.changed_deg * turn.changed_deg / (turn.sigma_deg * turn.sigma_deg);
-        ++count;
-    }
-    return count > 0 ? std::sqrt(squares / count) : 0;
+// [1] How many numbers the photographs of so many lights have to tell.
+int unknowns(const LightingModel& model, int lights) {
+    int count = 0;
+    if (model.lights != LightFreedom::none) count += kJointRig;
+    if (model.lights == LightFreedom::rig_and_gains) count += lights;
+    if (model.directions != DirectionFreedom::listed) count += static_cast<int>(DirectionField::kPolynomials);
+    if (model.directions == DirectionFreedom::own || model.directions == DirectionFreedom::measured)
+        count += kJointTurn * lights;
+    if (model.beams) count += kJointBeam * lights;
+    return count;
 }
 
 // The search for the lighting model: one freedom after the other, each tried beside the best so far.
@@ -58,12 +42,10 @@ public:
 
     // What all lights share, and their strengths.
     void try_lights();
-    // Directions, smooth or of each light's own.
+    // Directions, smooth or of each light's own, with strengths and without: either stands in for the other.
     void try_directions();
-    // Smooth directions that hardly turn, and own ones that explain fewer pixels than strengths do.
-    void drop_doubtful_directions();
-    // Strengths where photographs do not predict each other better with them, but are explained better.
-    void try_gains();
+    // Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are tried with
+    // the directions that are found and with those listed.
     void try_beams();
     // The best model once more, with more pixels.
     void solve_finer();
@@ -71,11 +53,9 @@ public:
 
 private:
     const TriedModel& best() const { return tried_[best_]; }
+    // Tries these and takes the best of all so far that has directions as wanted.
     void attempt(const std::vector<LightingModel>& models,
                  const std::optional<LightBundleAdjustment>& from = {});
-    void attempt_own(const LightingModel& wanted, double explained_db, double loss_db,
-                     const PixelWorth& of_pixels, const std::optional<LightBundleAdjustment>& from = {});
-    void attempt_beams(const TriedModel& even);
     LightCalibration calibration_of(const TriedModel& one) const {
         return one.solution ? calibrated(sample_, *one.solution, given_, one.trial.model)
                             : LightCalibration{.lighting = given_};
@@ -90,8 +70,8 @@ private:
     // Few photographs tell what all lights share, fewer not each light's strength: one more unknown a
     // photograph.
     const bool few_, gains_;
-    const bool measured_;  // directions have standard errors
-    const bool refines_;   // directions, whatever validation photographs say
+    // The directions of each light's own, whatever validation photographs say.
+    const std::optional<DirectionFreedom> refined_;
     const LeftOutPhotos out_;
     const LightSample sample_;
     std::mutex mutex_;
@@ -99,6 +79,12 @@ private:
     std::vector<TriedModel> tried_;
     std::size_t best_ = 0, listed_ = 0;  // in tried_: of all, and with directions as listed
 };
+
+// Where directions have standard errors, or the user says so.
+std::optional<DirectionFreedom> refined_directions(const Lighting& given, bool asked) {
+    if (!given.direction_sigma_deg.empty()) return DirectionFreedom::measured;
+    return asked ? std::optional(DirectionFreedom::own) : std::nullopt;
+}
 
 ModelSearch::ModelSearch(const SurveyedStack& surveyed, const Lighting& given, const WardFitOptions& ward,
                          const LightCalibrationOptions& options, const Progress& progress)
@@ -109,47 +95,29 @@ ModelSearch::ModelSearch(const SurveyedStack& surveyed, const Lighting& given, c
       progress_(progress),
       few_(photos() < std::max(kFewestForOwn, options.fewest_photos)),
       gains_(photos() >= options.fewest_photos),
-      measured_(!given.direction_sigma_deg.empty()),
-      refines_(!few_ && (options.refine_directions || measured_)),
+      refined_(few_ ? std::nullopt : refined_directions(given, options.refine_directions)),
       out_(few_ ? LeftOutPhotos{photos(), photos()} : kHalfOfThem),
       sample_(surveyed, ward, options.samples) {}
 
 void ModelSearch::attempt(const std::vector<LightingModel>& models,
                           const std::optional<LightBundleAdjustment>& from) {
-    const int steps = (few_ ? 3 : 8) * (1 + out_.trials);  // at most
+    const int steps = (few_ ? 3 : 11) * (1 + out_.trials);  // at most
     const auto step_done = [&] {
         const std::lock_guard lock(mutex_);
         report(progress_, "lights", ++steps_done_ / static_cast<double>(steps));
     };
-    for (TriedModel& one : tried(sample_, given_, models, out_, step_done, from)) {
-        tried_.push_back(std::move(one));
-        if (!tried_.back().solution && tried_.size() > 1) {
-            tried_.pop_back();
-            continue;
-        }
-        const LightCalibration::Trial &now = tried_.back().trial, &best_yet = best().trial;
-        // Beams have more to show than a better prediction: attempt_own().
-        if (now.model.beams == best_yet.model.beams && is_better(now, best_yet, options_.min_gain_db))
-            best_ = tried_.size() - 1;
-    }
-}
-
-// Whether a model that gives each light more of its own is to be taken: tried where it has not been.
-void ModelSearch::attempt_own(const LightingModel& wanted, double explained_db, double loss_db,
-                              const PixelWorth& of_pixels, const std::optional<LightBundleAdjustment>& from) {
-    const auto is_wanted = [&](const TriedModel& one) { return one.trial.model == wanted; };
-    const std::size_t before = best_;
-    if (std::none_of(tried_.begin(), tried_.end(), is_wanted)) attempt({wanted}, from);
-    const auto found = std::find_if(tried_.begin(), tried_.end(), is_wanted);
-    if (best_ == before && found != tried_.end() &&
-        explains_better(found->trial, best().trial, explained_db, loss_db, of_pixels))
-        best_ = static_cast<std::size_t>(found - tried_.begin());
-}
-
-void ModelSearch::attempt_beams(const TriedModel& even) {
-    LightingModel uneven = even.trial.model;
-    uneven.beams = true;
-    attempt_own(uneven, kBeamsWorth_db, 0, kBeamsWorth, std::optional(even.solution));
+    for (TriedModel& one : tried(sample_, given_, models, out_, step_done, from))
+        if (one.solution || tried_.empty()) tried_.push_back(std::move(one));
+    const auto model = [&](std::size_t i) -> const LightingModel& { return tried_[i].trial.model; };
+    const auto wanted = [&](std::size_t i) { return !refined_ || model(i).directions == *refined_; };
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < tried_.size(); ++i)
+        if (wanted(i)) order.push_back(i);
+    if (order.empty()) order = {0};
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return unknowns(model(i), photos()); });
+    std::vector<const ValidationScores*> from_simplest;
+    for (const std::size_t i : order) from_simplest.push_back(&tried_[i].trial.scores);
+    best_ = order[select_model(from_simplest)];
 }
 
 void ModelSearch::try_lights() {
@@ -159,45 +127,29 @@ void ModelSearch::try_lights() {
     listed_ = best_;
 }
 
-// A light that was left out has no part in directions of each light's own: with few photographs leaving some
-// out says nothing of them, and it is up to the user.
 void ModelSearch::try_directions() {
-    const LightFreedom lights = best().trial.model.lights;
-    const DirectionFreedom refined = measured_ ? DirectionFreedom::measured : DirectionFreedom::own;
-    if (refines_)
-        attempt({{lights, refined}});
-    else if (!few_ && surveyed_.stack.photos.size() >= kFewestForDirections)
-        attempt({{lights, DirectionFreedom::smooth}, {lights, DirectionFreedom::own}});
-    if (refines_ && tried_.back().trial.model.directions == refined) best_ = tried_.size() - 1;
+    if (few_) return;
+    std::vector<LightingModel> models;
+    for (const LightFreedom lights : {LightFreedom::none, LightFreedom::rig, LightFreedom::rig_and_gains})
+        if (refined_)
+            models.push_back({lights, *refined_});
+        else
+            for (const DirectionFreedom directions : {DirectionFreedom::smooth, DirectionFreedom::own})
+                models.push_back({lights, directions});
+    attempt(models);
 }
 
-void ModelSearch::drop_doubtful_directions() {
-    if (best().trial.model.directions == DirectionFreedom::smooth &&
-        turns_in_sigmas(calibration_of(best())) < kSureTurns)
-        best_ = listed_;
-    // Lights of other strength seem to stand elsewhere, too: what explains more of the pixels is it.
-    const auto strengths = std::find_if(tried_.begin(), tried_.end(), [](const TriedModel& one) {
-        return one.trial.model == LightingModel{LightFreedom::rig_and_gains};
-    });
-    if (best().trial.model.directions == DirectionFreedom::own && !refines_ && strengths != tried_.end() &&
-        strengths->trial.pixels.part_better_than(best().trial.pixels) > kMostPixels)
-        best_ = listed_;
-}
-
-void ModelSearch::try_gains() {
-    if (!gains_ || tried_[listed_].trial.model.lights == LightFreedom::rig_and_gains) return;
-    LightingModel wanted = best().trial.model;
-    wanted.lights = LightFreedom::rig_and_gains;
-    attempt_own(wanted, kGainsWorth_db, options_.min_gain_db, kGainsWorth);
-}
-
-// Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are also tried with
-// the directions as listed.
 void ModelSearch::try_beams() {
     if (few_) return;
     const TriedModel even = best(), as_listed = tried_[listed_];
-    attempt_beams(even);
-    if (!refines_ && even.trial.model.directions != DirectionFreedom::listed) attempt_beams(as_listed);
+    const auto uneven = [&](const TriedModel& one) {
+        LightingModel model = one.trial.model;
+        if (model.lights == LightFreedom::none) model.lights = LightFreedom::rig;
+        model.beams = true;
+        attempt({model}, one.solution);
+    };
+    uneven(even);
+    if (!refined_ && even.trial.model != as_listed.trial.model) uneven(as_listed);
 }
 
 void ModelSearch::solve_finer() {
@@ -242,12 +194,6 @@ std::string warning_of(const LightCalibration& calibration, const std::string& f
         "{}: the photographs contradict the listed directions of {} of {} lights by more than {} degrees: "
         "{}; corrected, --lights-as-given keeps them",
         folder, turned.size(), calibration.turns.size(), kDoubtful_deg, names);
-}
-
-Vec3 corrected_direction(const LightCalibration& calibration, const Vec3& listed) {
-    if (calibration.coefficients.empty()) return listed;
-    const glm::dvec3 direction(listed);
-    return Vec3(turned(direction, calibration.field.turn(calibration.coefficients, direction)));
 }
 
 nlohmann::json to_json(const LightCalibration& calibration) {
@@ -306,8 +252,6 @@ LightCalibration calibrate_lights(const SurveyedStack& surveyed, const Lighting&
     ModelSearch search(surveyed, given, ward, options, progress);
     search.try_lights();
     search.try_directions();
-    search.drop_doubtful_directions();
-    search.try_gains();
     search.try_beams();
     search.solve_finer();
     return search.found();

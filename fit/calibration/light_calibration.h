@@ -23,7 +23,7 @@
 
 #include "fit/calibration/light_bundle_adjustment.h"
 #include "fit/calibration/light_sample.h"
-#include "fit/pixel/pixel_scores.h"
+#include "fit/pixel/validation_scores.h"
 #include "surface/base/progress.h"
 #include "surface/maps/light_model.h"
 
@@ -51,8 +51,6 @@ struct LightCalibrationOptions {
     // [1] with fewer, lights are taken to be equally strong, and only what all share is found: how near they
     // are, ambient light; with fewer than five nothing is
     int fewest_photos = 6;
-    double min_gain_db =
-        0.1;  // [dB] by which it must predict validation photographs better, less the standard error
     bool refine_directions =
         false;  // each light's direction is corrected, whatever validation photographs say
 
@@ -67,11 +65,6 @@ struct LightCalibrationOptions {
             self.fewest_photos);
         visit(
             FieldInfo{
-                "min_gain_db", 0, 100, "dB",
-                "improvement on validation photographs, beyond its standard error, that calibrating needs"},
-            self.min_gain_db);
-        visit(
-            FieldInfo{
                 "refine_directions", 0, 1, "",
                 "correct each light's direction: for lights files that are known to be some degrees off"},
             self.refine_directions);
@@ -83,10 +76,10 @@ struct LightCalibration {
         LightingModel model;
         double cv_psnr_db = 0;          // [dB] mean PSNR of photographs left out in turn, on the sample
         std::vector<double> photos_db;  // [dB] of each of them, the same photographs in all trials
-        // [dB] Of each of them on half of the pixels, once strength and direction, as far as the model gives
-        // each light its own, are found again from the others.
-        std::vector<double> located_db;
-        PixelScores pixels;  // the same half, pixel by pixel
+        // What the model is chosen by, of half of each one's pixels: as the other photographs predict it, and
+        // once what the model gives each light of its own is found by the other half (bi-cross-validation:
+        // Owen & Perry 2009, "Bi-cross-validation of the SVD and the nonnegative matrix factorization").
+        ValidationScores scores;
     };
     Lighting lighting;                        // lights in the order of stack.photos
     std::optional<LightModel> light_model{};  // where gains were found
@@ -113,8 +106,7 @@ struct LightCalibration {
     } rig_sigma{};
     // [1] As ReflectanceModel's, where directions are measured: photographs tell both only together.
     std::optional<double> diffuse_roughness{};
-    DirectionField field{};              // what turns a direction that no photograph had ...
-    std::vector<double> coefficients{};  // ... by these
+    std::optional<DirectionModel> directions{};  // where directions were corrected
     std::vector<Trial> trials{};         // empty where there were too few photographs to try
 };
 
@@ -124,9 +116,6 @@ struct LightCalibration {
 LightCalibration calibrate_lights(const SurveyedStack& surveyed, const Lighting& given,
                                   const WardFitOptions& ward, const LightCalibrationOptions& options = {},
                                   const Progress& progress = {});
-
-// The direction of a light that no photograph had, given one of the lights file.
-Vec3 corrected_direction(const LightCalibration& calibration, const Vec3& listed);
 
 // Names the lights whose directions were corrected by more than 5 degrees; empty where there are none.
 std::string warning_of(const LightCalibration& calibration, const std::string& folder);

@@ -24,16 +24,6 @@ dvec2 polynomial(std::size_t i, const dvec3& d) {
 
 }  // namespace
 
-TangentFrame tangent_frame(const dvec3& d) {
-    const double s = 1 / (1 + d.z);
-    return {{1 - d.x * d.x * s, -d.x * d.y * s, -d.x}, {-d.x * d.y * s, 1 - d.y * d.y * s, -d.y}};
-}
-
-dvec3 turned(const dvec3& direction, const glm::dvec2& t) {
-    const TangentFrame frame = tangent_frame(direction);
-    return glm::normalize(direction + t.x * frame.a + t.y * frame.b);
-}
-
 std::vector<dvec2> DirectionField::untold(const dvec3& d) const {
     const TangentFrame frame = tangent_frame(d);
     std::vector<dvec3> motions = {{0, -d.z, d.y}, {d.z, 0, -d.x}, {-d.y, d.x, 0}};

@@ -1,10 +1,7 @@
 // light_direction_field.h: small corrections of the lights' directions, and which of them photographs can
 // tell.
 //
-// A correction is a turn t [1, tangents of angles] in the plane that touches the sphere of directions at d:
-//   d' = d + t.x a + t.y b, unit
-// with a and b the x and y axes carried from the zenith to d along the great circle, so that they are smooth
-// over the whole hemisphere.
+// A correction is a turn t of surface/maps/light_direction.h.
 //
 // What photographs cannot tell: a matt painting under lights A^-T l is a painting with normals A n, for any
 // invertible A (Hayakawa 1994; Belhumeur, Kriegman & Yuille 1999), as far as the lights' strengths are free.
@@ -18,21 +15,17 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "surface/maps/light_direction.h"
+
 namespace tangi {
-
-// `t` as above; `direction` a unit vector above the painting.
-glm::dvec3 turned(const glm::dvec3& direction, const glm::dvec2& t);
-
-struct TangentFrame {
-    glm::dvec3 a, b;  // [unit vectors] across the direction
-};
-TangentFrame tangent_frame(const glm::dvec3& direction);
 
 // Smooth fields of turns over direction: polynomials of the direction's x and y up to the second degree in
 // both components, without what they have of the motions that photographs cannot tell, in `lights` taken
 // together. Each has rms 1 over the lights, and they are orthogonal there.
 class DirectionField {
 public:
+    static constexpr std::size_t kPolynomials = 12;  // of which the field is made, at most
+
     DirectionField() = default;
     DirectionField(const std::vector<glm::dvec3>& lights, bool strengths_known);
 
@@ -46,7 +39,6 @@ public:
     std::vector<glm::dvec2> untold(const glm::dvec3& direction) const;
 
 private:
-    static constexpr std::size_t kPolynomials = 12;
     bool strengths_known_ = false;
     std::vector<std::array<double, kPolynomials>> modes_;    // of polynomials ...
     std::vector<std::array<double, kPolynomials>> motions_;  // ... less what these have of each motion

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
@@ -13,31 +13,6 @@ namespace tangi {
 
 namespace {
 
-// [deg] Turns that are less than this in rms are not worth trying.
-constexpr double kSmallTurn_deg = 0.5;
-// [1] Nor are beams that are this even: ln irradiance, rms over the picture, of the median light.
-constexpr double kEven = 0.005;
-// [1] Nor where they leave more than this of the cost (coin, which is neither flat nor matt: 0.98; leaf:
-// 0.75): what they predict better then is by chance.
-constexpr double kAsGood = 0.9;
-// [dB] By which directions of their own must explain photographs better: two unknowns a light take up some of
-// what the model leaves out, and lights that no photograph had don't share them (real/canvas lost 3.7 dB at
-// 0.1; synth_canvas/varied_1, whose metal is no Ward lobe, gains 1.8 by turns of 7 degrees that are wrong,
-// generated stacks whose lights are 6 degrees off 6.4).
-constexpr double kOwnWorth_db = 2.5;
-// [1] Part of the pixels that must be explained better by what lights are turned or aimed otherwise; by their
-// strengths and distances most of them. A light lights all of them: what is true of it explains metal and
-// paint better alike (generated stacks: 0.62 to 1.00 of the pixels), what takes up that metal is no Ward lobe
-// worsens the paint beside it (half brushed metal, half paint under lights that are right: strengths 0.31 to
-// 0.35, directions 0.43 to 0.50).
-constexpr double kPixelsOfTurned = 0.55;
-// What all lights share is also taken where so many pixels are explained better, the median one by so much:
-// the photographs as a whole, with metal that is no Ward lobe, hardly tell (generated gold beside paint under
-// near lights and light from all around: 0.78, 1.7 dB; where there is nothing to find: 0.66, 0.2 dB at most).
-constexpr PixelWorth kRigWorth{0.7, 0.5};
-// Likewise directions of their own (generated gold, lights 5 degrees off: 0.93, 2.6 dB; where directions are
-// right: 0.94 and 0.6 dB of varied_5, 0.88 and 0.7 of canvas, 0.70 and 0.8 of varied_1).
-constexpr PixelWorth kOwnWorth{0.9, 1.5};
 // [rad] By which a light's direction, or the painting as a whole, may be tilted where directions are taken as
 // listed, and which relief that no pixel resolves amounts to. Light that falls at an elevation e changes by
 // so much times cot e.
@@ -67,15 +42,16 @@ JointFreedom freedom_of(const LightingModel& model) {
 }
 
 void apply_directions(const LightBundleAdjustment& joint, LightCalibration& result) {
-    result.field = joint.field;
-    result.coefficients = joint.coefficients;
+    std::vector<Vec3> listed;
     for (std::size_t i = 0; i < joint.turns.size(); ++i) {
         Light& light = result.lighting.lights[i];
+        listed.push_back(light.direction);
         light.direction = Vec3(turned(joint.directions[i], joint.turns[i]));
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         result.turns.push_back(
             {.changed_deg = std::atan(glm::length(joint.turns[i])) * 180 / std::numbers::pi, .sigma_deg = 0});
     }
+    result.directions = fit_direction_model(listed, result.lighting.lights);
 }
 
 // The lighting that a solved joint problem means.
@@ -118,14 +94,7 @@ LightCalibration calibration_of(const LightSample& sample, const LightBundleAdju
     return result;
 }
 
-double median_unevenness(const LightBundleAdjustment& joint) {
-    std::vector<double> all;
-    for (std::size_t i = 0; i < joint.beams.size(); ++i) all.push_back(joint.unevenness(i));
-    return median(std::move(all));
-}
-
-// The joint problem of all photographs, solved under one model; nothing where there is nothing to solve, or
-// where directions turn out to be right, or beams to be even.
+// The joint problem of all photographs, solved under one model; nothing where there is nothing to solve.
 std::optional<LightBundleAdjustment> solved(const LightSample& sample, const Lighting& given,
                                             const LightingModel& model,
                                             const std::optional<LightBundleAdjustment>& from) {
@@ -136,20 +105,12 @@ std::optional<LightBundleAdjustment> solved(const LightSample& sample, const Lig
         from ? sample.joint_problem(photos, given, *from) : sample.joint_problem(photos, given);
     const JointStart start = from ? JointStart::near : JointStart::far;
     if (joint.pixels.empty() || !joint.solve(freedom_of(model), start)) return {};
-    if (model.beams && median_unevenness(joint) < kEven) return {};
-    if (model.beams && from && joint.cost > kAsGood * from->cost) return {};
-    double squares = 0;
-    for (const glm::dvec2& turn : joint.turns) squares += glm::dot(turn, turn);
-    const double rms_deg = std::sqrt(squares / static_cast<double>(photos.size())) * 180 / std::numbers::pi;
-    const bool found =
-        model.directions == DirectionFreedom::smooth || model.directions == DirectionFreedom::own;
-    if (found && rms_deg < kSmallTurn_deg) return {};
     return joint;
 }
 
 struct FoldResult {
-    std::vector<double> photos_db, located_db;  // as in Trial
-    PixelScores pixels;
+    std::vector<double> photos_db;  // as in Trial
+    ValidationScores scores;
 };
 
 // The photographs of one trial, predicted from all others. `all` is the solution with all photographs: where
@@ -158,8 +119,10 @@ struct FoldResult {
 FoldResult validation(const LightSample& sample, const Lighting& given, const LightingModel& model,
                       const std::optional<LightBundleAdjustment>& all, const LeftOutPhotos& out, int trial) {
     std::vector<int> used, left;
+    std::vector<Vec3> listed;
     for (int i = 0; i < static_cast<int>(given.lights.size()); ++i)
         (out.has(i, trial) ? left : used).push_back(i);
+    for (const int i : used) listed.push_back(given.lights[static_cast<std::size_t>(i)].direction);
     LightCalibration c{.lighting = subset(given, used)};
     if (all) {
         LightBundleAdjustment joint = sample.joint_problem(used, c.lighting, *all);
@@ -173,34 +136,20 @@ FoldResult validation(const LightSample& sample, const Lighting& given, const Li
         Lighting one = subset(given, {i});
         one.rig = c.lighting.rig;
         Light& light = one.lights.front();
-        light.direction = corrected_direction(c, light.direction);
+        if (c.directions) light.direction = predicted_direction(*c.directions, listed, light.direction);
         if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
         place(light, one.rig);
         if (c.light_model)
             light.gain *=
                 static_cast<float>(predicted_gain(*c.light_model, c.lighting.lights, light.direction));
         if (c.beams) light.beam = predicted_beam(*c.beams, c.lighting.lights, light.direction);
-        result.photos_db.push_back(
-            sample.psnr_db(sample.squared_errors(estimates, i, one), given.white_level));
+        std::vector<double> predicted = sample.squared_errors(estimates, i, one);
+        result.photos_db.push_back(sample.psnr_db(predicted, given.white_level));
         const Lighting located = sample.located(estimates, i, one, freedom_of(model));
-        const std::vector<double> errors = sample.squared_errors(estimates, i, located);
-        result.located_db.push_back(sample.psnr_db(errors, given.white_level, sample.others()));
-        result.pixels.add(errors, noise, sample.others());
+        result.scores.add_mean({std::move(predicted), sample.squared_errors(estimates, i, located)}, noise,
+                               sample.others());
     }
     return result;
-}
-
-// [dB] The median by which `a` exceeds `b`, as one photograph whose light moved is no reason for or against,
-// and its standard error (that of a median of normal values; their spread by the median absolute deviation).
-struct MedianGain {
-    double median_db, sigma_db;
-};
-MedianGain gain(const std::vector<double>& a, const std::vector<double>& b) {
-    std::vector<double> gained;
-    for (std::size_t i = 0; i < a.size(); ++i) gained.push_back(a[i] - b[i]);
-    const double middle = median(gained), count = static_cast<double>(gained.size());
-    for (double& db : gained) db = std::abs(db - middle);
-    return {middle, 1.2533 * 1.4826 * median(std::move(gained)) / std::sqrt(count)};
 }
 
 void add_errors(const LightBundleAdjustment& solution, double width_mm, LightCalibration& c) {
@@ -255,8 +204,7 @@ std::vector<TriedModel> tried(const LightSample& sample, const Lighting& given,
         LightCalibration::Trial& trial = result[i].trial;
         for (const FoldResult& fold : folds[i]) {
             trial.photos_db.insert(trial.photos_db.end(), fold.photos_db.begin(), fold.photos_db.end());
-            trial.located_db.insert(trial.located_db.end(), fold.located_db.begin(), fold.located_db.end());
-            trial.pixels.add(fold.pixels);
+            trial.scores.add(fold.scores);
         }
         trial.cv_psnr_db = mean_or_zero(trial.photos_db);
     }
@@ -279,31 +227,6 @@ LightBundleAdjustment solved_finer(const LightSample& fine, const LightBundleAdj
         fine.joint_problem(photos, given, solution, fine.fit(photos, coarse.lighting));
     const bool better = !joint.pixels.empty() && joint.solve(freedom_of(model), JointStart::there);
     return better ? joint : solution;
-}
-
-bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
-                     double loss_db, const PixelWorth& of_pixels) {
-    const double part = a.pixels.part_better_than(b.pixels);
-    if (part > of_pixels.part && a.pixels.median_gain_db(b.pixels) > of_pixels.db) return true;
-    const MedianGain predicted = gain(a.photos_db, b.photos_db), located = gain(a.located_db, b.located_db);
-    const bool turned = a.model.directions != b.model.directions || a.model.beams != b.model.beams;
-    return located.median_db - located.sigma_db > explained_db &&
-           predicted.median_db > -std::min(predicted.sigma_db, loss_db) &&
-           part > (turned ? kPixelsOfTurned : kMostPixels);
-}
-
-bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double min_gain_db) {
-    const MedianGain predicted = gain(a.photos_db, b.photos_db);
-    // Turns, of a smooth field or each light's own, take up what the model leaves out.
-    const bool turned = a.model.directions != b.model.directions;
-    const double part = a.pixels.part_better_than(b.pixels);
-    if (predicted.median_db - (turned ? 2 : 1) * predicted.sigma_db > min_gain_db &&
-        part > (turned ? kPixelsOfTurned : kMostPixels))
-        return true;
-    if (a.model.lights == LightFreedom::rig && !turned)
-        return part > kRigWorth.part && a.pixels.median_gain_db(b.pixels) > kRigWorth.db;
-    return a.model.directions == DirectionFreedom::own &&
-           explains_better(a, b, kOwnWorth_db, std::numeric_limits<double>::infinity(), kOwnWorth);
 }
 
 }  // namespace tangi

@@ -42,20 +42,4 @@ LightCalibration calibrated(const LightSample& sample, const LightBundleAdjustme
 LightBundleAdjustment solved_finer(const LightSample& fine, const LightBundleAdjustment& solution,
                                    const Lighting& given, const LightingModel& model);
 
-// So many pixels [1], and what the median one gains [dB].
-struct PixelWorth {
-    double part = 1, db = 0;
-};
-
-// Whether `a`, which gives each light something of its own that those left out don't share in, explains
-// photographs better than `b` once their lights are located, and predicts them no worse than by `loss_db`, or
-// than chance does; or explains that many pixels better.
-bool explains_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double explained_db,
-                     double loss_db, const PixelWorth& of_pixels = {});
-
-// Whether `a` predicts photographs better than `b` for sure; directions of their own need only explain them.
-// Where listed directions are far off, so is that of the light that was left out: predictions are then poor
-// with any surface, and only a sure loss speaks against a better one.
-bool is_better(const LightCalibration::Trial& a, const LightCalibration::Trial& b, double min_gain_db);
-
 }  // namespace tangi

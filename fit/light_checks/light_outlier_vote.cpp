@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "fit/pixel/pixel_scores.h"
+#include "fit/pixel/validation_scores.h"
 #include "surface/base/median.h"
 
 namespace tangi {
@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kFewestVotes = 20;  // that show a photograph
 
 // How the pixels predict the photograph under a light from this direction; nothing where too few do.
-std::optional<PixelScores> scores_of(const LightSample& sample, const std::vector<WardEstimate>& estimates,
+std::optional<ValidationScores> scores_of(const LightSample& sample, const std::vector<WardEstimate>& estimates,
                                      std::size_t photo, const Vec3& direction, const Lighting& lighting,
                                      const ReflectanceModel& reflectance_model) {
     Lighting one{{lighting.lights[photo]}, lighting.rig, lighting.white_level};
@@ -27,7 +27,7 @@ std::optional<PixelScores> scores_of(const LightSample& sample, const std::vecto
     std::erase_if(ratios, [](float ratio) { return std::isnan(ratio); });
     if (ratios.size() < kFewestVotes) return {};
     light.gain *= std::exp(median(std::move(ratios)));
-    PixelScores scores;
+    ValidationScores scores;
     scores.add(sample.squared_errors(estimates, at, one, reflectance_model),
                sample.squared_noise(one.white_level));
     return scores;
@@ -52,7 +52,7 @@ void take_vote(LightOutliers& outliers, const LightSample& sample, const std::ve
             return scores_of(sample, estimates, odd.photo, direction, lighting, reflectance_model);
         };
         const auto as_listed = scores(listed[odd.photo].direction), as_shown = scores(odd.shown);
-        return as_listed && as_shown && as_shown->part_better_than(*as_listed) <= kMostPixels;
+        return as_listed && as_shown && as_shown->over(*as_listed).mean <= 0;
     };
     std::erase_if(outliers.odd, outvoted);
     // An exchange takes two.

@@ -51,15 +51,6 @@ std::vector<std::optional<glm::dvec2>> log_gains_by_chart(const Stack& stack) {
     return by_chart;
 }
 
-// The light of a photograph that was held out.
-Light held_out_light(const StackPhoto& photo, const LightCalibration& calibration,
-                     const Photography& fitted) {
-    Light light = photo.light;
-    light.direction = corrected_direction(calibration, light.direction);
-    if (light.position_mm) light.position_mm = light.direction * glm::length(*light.position_mm);
-    return as_photographed(light, fitted);
-}
-
 }  // namespace
 
 NoiseModel noise_model(const Stack& stack, const Transfer& transfer, const FitOptions& options) {
@@ -112,6 +103,7 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
     const std::vector<Light>& lights = calibration.lighting.lights;
     photography.rig = calibration.lighting.rig;
     photography.beams = calibration.beams;
+    photography.directions = calibration.directions;
     const auto add = [&](const Light& light, bool fitted, const StackPhoto& photo) {
         photography.photos.push_back({light, fitted, photo.homography});
         if (light.direction != photo.light.direction)
@@ -122,7 +114,7 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
     if (calibration.light_model) photography.light_model = fit_light_model(fitted_lights(photography));
     const Photography fitted = photography;
     for (const StackPhoto& photo : stack.held_out)
-        add(held_out_light(photo, calibration, fitted), false, photo);
+        add(as_photographed(photo.light, fitted), false, photo);
 }
 
 }  // namespace tangi

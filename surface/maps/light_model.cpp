@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "surface/maps/light_direction.h"
+
 namespace tangi {
 
 namespace {
@@ -70,6 +72,25 @@ Beam predicted_beam(const BeamModel& model, std::span<const Light> lights, const
         beam.terms[term] = static_cast<float>(
             predicted(model.terms[term], directions, glm::dvec3(direction)) / unit_of(term, model.radius_mm));
     return beam;
+}
+
+DirectionModel fit_direction_model(std::span<const Vec3> listed, std::span<const Light> lights) {
+    const std::vector<glm::dvec3> directions(listed.begin(), listed.end());
+    DirectionModel model;
+    for (int i = 0; i < 2; ++i) {
+        std::vector<double> turns;
+        for (std::size_t k = 0; k < lights.size(); ++k)
+            turns.push_back(turn_between(directions[k], glm::dvec3(lights[k].direction))[i]);
+        model.turn[static_cast<std::size_t>(i)] = fit_gaussian_process(directions, turns);
+    }
+    return model;
+}
+
+Vec3 predicted_direction(const DirectionModel& model, std::span<const Vec3> listed, const Vec3& direction) {
+    const std::vector<glm::dvec3> directions(listed.begin(), listed.end());
+    const glm::dvec3 from(direction);
+    return Vec3(turned(from, {predicted(model.turn[0], directions, from),
+                              predicted(model.turn[1], directions, from)}));
 }
 
 }  // namespace tangi

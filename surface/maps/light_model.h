@@ -1,5 +1,6 @@
-// light_model.h: the strength and colour of a light, and the shape of its beam, as smooth functions of its
-// direction, to predict lights that no photograph had from those that were photographed.
+// light_model.h: the strength and colour of a light, the shape of its beam, and how far it is from where it is
+// listed, as smooth functions of its direction, to predict lights that no photograph had from those that were
+// photographed.
 #pragma once
 
 #include <array>
@@ -40,5 +41,19 @@ struct BeamModel {
 BeamModel fit_beam_model(std::span<const Light> photographed, double radius_mm);
 
 Beam predicted_beam(const BeamModel& model, std::span<const Light> photographed, const Vec3& direction);
+
+// How far lights are from where a lights file lists them (light_direction.h), as a function of the direction
+// that is listed.
+struct DirectionModel {
+    std::array<GaussianProcess, 2> turn{};
+
+    friend bool operator==(const DirectionModel&, const DirectionModel&) = default;
+};
+
+// `listed`: [unit vectors] of the photographed lights.
+DirectionModel fit_direction_model(std::span<const Vec3> listed, std::span<const Light> photographed);
+
+// Where a light is that is listed in this direction; `listed` as given to fit_direction_model().
+Vec3 predicted_direction(const DirectionModel& model, std::span<const Vec3> listed, const Vec3& direction);
 
 }  // namespace tangi

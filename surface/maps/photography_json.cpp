@@ -113,6 +113,8 @@ json to_json(const Photography& photography) {
                      {"light_radius_deg", rig.light_radius_deg}}}};
     if (photography.to_camera) result["to_camera"] = to_json(*photography.to_camera);
     if (photography.light_model) result["light_model"] = to_json(*photography.light_model);
+    if (const auto& directions = photography.directions)
+        result["directions"] = {{"turn", {to_json(directions->turn[0]), to_json(directions->turn[1])}}};
     if (const auto& beams = photography.beams) {
         json terms = json::array();
         for (const GaussianProcess& term : beams->terms) terms.push_back(to_json(term));
@@ -171,6 +173,19 @@ BeamModel beam_model_of(const json& written, const std::vector<Light>& lights) {
     return beams;
 }
 
+// `j`: of the photography. Files of version 0.1 have corrected directions, but no model of them.
+std::optional<DirectionModel> direction_model_of(const json& j, const Photography& photography,
+                                                 const std::vector<Light>& lights) {
+    if (j.contains("directions")) {
+        const json& turn = j["directions"].at("turn");
+        return DirectionModel{{process_of(turn.at(0), lights.size()), process_of(turn.at(1), lights.size())}};
+    }
+    const std::vector<Vec3> listed = directions_as_listed(photography);
+    bool corrected = false;
+    for (std::size_t i = 0; i < lights.size(); ++i) corrected |= listed[i] != lights[i].direction;
+    return corrected ? std::optional(fit_direction_model(listed, lights)) : std::nullopt;
+}
+
 }  // namespace
 
 Photography photography_from_json(const json& written) {
@@ -191,6 +206,7 @@ Photography photography_from_json(const json& written) {
     const std::vector<Light> lights = fitted_lights(photography);
     if (j.contains("light_model")) photography.light_model = light_model_of(j.at("light_model"), lights);
     if (j.contains("beams")) photography.beams = beam_model_of(j["beams"], lights);
+    photography.directions = direction_model_of(j, photography, lights);
     return photography;
 }
 

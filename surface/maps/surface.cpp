@@ -1,6 +1,7 @@
 #include "surface/maps/surface.h"
 
 #include <array>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
@@ -64,6 +65,13 @@ std::vector<Light> fitted_lights(const Photography& photography) {
     return lights;
 }
 
+std::vector<Vec3> directions_as_listed(const Photography& photography) {
+    std::vector<Vec3> directions;
+    for (const Photography::Photo& photo : photography.photos)
+        if (photo.fitted) directions.push_back(photo.listed_direction.value_or(photo.light.direction));
+    return directions;
+}
+
 Light as_photographed(const Light& light, const Photography& photography) {
     Light result = light;
     if (const Photography::Photo* photo = find_photo(photography, light)) {
@@ -76,6 +84,11 @@ Light as_photographed(const Light& light, const Photography& photography) {
         return result;
     }
     const std::vector<Light> fitted = fitted_lights(photography);
+    if (photography.directions) {
+        result.direction =
+            predicted_direction(*photography.directions, directions_as_listed(photography), light.direction);
+        if (result.position_mm) result.position_mm = result.direction * glm::length(*result.position_mm);
+    }
     if (!result.position_mm) place(result, photography.rig);
     if (photography.light_model)
         result.gain = static_cast<float>(predicted_gain(*photography.light_model, fitted, result.direction)) *

@@ -37,6 +37,7 @@ struct Photography {
     Rig rig;
     std::optional<LightModel> light_model{};  // of the fitted photographs; empty where lights count as equal
     std::optional<BeamModel> beams{};         // likewise; empty where they count as even
+    std::optional<DirectionModel> directions{};  // likewise; empty where they count as listed
     // Linear Rec. 709 -> the photographs' linear channels, white balance included, where a colour chart told;
     // the same where empty.
     std::optional<glm::dmat3> to_camera{};
@@ -49,12 +50,13 @@ glm::dmat3 from_camera(const Photography& photography);
 // found or of what its lights file said: photographs of different stacks have the same names (image00.jpg).
 const Photography::Photo* find_photo(const Photography& photography, const Light& light);
 
-// Of the photographs that were fitted: what light_model and beams are of.
+// Of the photographs that were fitted: what light_model and beams are of, and directions of both.
 std::vector<Light> fitted_lights(const Photography& photography);
+std::vector<Vec3> directions_as_listed(const Photography& photography);
 
-// The light with the strength (and, unless it has a position, with direction and position) that it had in its
-// photograph; where there is none,
-// as strong and as near as the lights that were photographed make likely.
+// The light of a lights file with the strength (and, unless it has a position, with direction and position)
+// that it had in its photograph; where there is none, as strong, as near and as far from where it is listed as
+// the lights that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =

@@ -47,9 +47,21 @@ struct GildedPanel {
     }
 };
 
+// Whatever is taken for free: distant lights of equal strength, from where they are listed.
+void expect_as_listed(const GildedPanel& panel) {
+    const LightCalibration& found = panel.found;
+    const float width_mm = static_cast<float>(kPanelSize * kMmPerPixel);
+    for (const Light& light : found.lighting.lights) EXPECT_NEAR(light.gain.g, 1, 0.01) << light.name;
+    for (const LightCalibration::Turn& turn : found.turns) EXPECT_LT(turn.changed_deg, 0.5);
+    EXPECT_FALSE(found.model.beams);
+    EXPECT_LT(found.lighting.rig.ambient, 0.01);
+    EXPECT_GT(found.lighting.rig.light_distance_mm.value_or(1e6f), 20 * width_mm);
+    EXPECT_LT(std::abs(found.lighting.rig.bend_per_mm) * width_mm / 2, 0.3 * kDegree);
+}
+
 TP_LONG TEST(LightPixels, LightsThatAreRightAreLeftAloneBesideGold) {
     for (const std::uint64_t seed : {3u, 4u})
-        EXPECT_EQ(GildedPanel({.lights = 36}, 0.5, seed).found.model, LightingModel{}) << "seed " << seed;
+        expect_as_listed(GildedPanel({.lights = 36}, 0.5, seed));
 }
 
 TP_LONG TEST(LightPixels, NearLightsAreFoundBesideGold) {
@@ -77,7 +89,8 @@ TP_LONG TEST(LightPixels, StrengthsAreFoundBesideGold) {
 TP_LONG TEST(LightPixels, DirectionsAreFoundBesideGold) {
     const GildedPanel panel({.lights = 40, .nominal_direction_error_deg = 5});
     EXPECT_EQ(panel.found.model.directions, DirectionFreedom::own);
-    EXPECT_EQ(panel.found.model.lights, LightFreedom::none);
+    EXPECT_NE(panel.found.model.lights, LightFreedom::rig_and_gains);
+    EXPECT_LT(panel.found.lighting.rig.ambient, 0.01);
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <iostream>
 #include <numeric>
 
+#include "surface/maps/light_direction.h"
 #include "surface/maps/surface.h"
 #include "tests/support/test_support.h"
 
@@ -149,6 +151,42 @@ TEST(AsPhotographed, PredictsLightsThatNoPhotographHad) {
     EXPECT_NEAR(unseen.gain.g, std::exp(0.18), 0.03);
     ASSERT_TRUE(unseen.position_mm);
     EXPECT_NEAR(glm::length(*unseen.position_mm), 700, 1e-3);
+}
+
+// Where a lights file lists a light that is tilted the more the farther it is to the right.
+Vec3 listed_for(const Vec3& direction) {
+    const glm::dvec3 d(direction);
+    return Vec3(turned(d, {0.1 * d.x * d.y, -0.08 * d.x}));
+}
+
+TEST(DirectionModel, FollowsASmoothFieldOfErrors) {
+    const std::vector<Light> lights = dome_lights(60);
+    std::vector<Vec3> listed;
+    for (const Light& light : lights) listed.push_back(listed_for(light.direction));
+    const DirectionModel model = fit_direction_model(listed, lights);
+    Random random(5);
+    for (int i = 0; i < 100; ++i) {
+        const Vec3 direction = random.direction(0.4);
+        const Vec3 found = predicted_direction(model, listed, listed_for(direction));
+        EXPECT_LT(glm::distance(found, direction), 0.005f);
+    }
+}
+
+TEST(AsPhotographed, MovesListedLightsAsThoseOfTheStackWere) {
+    Photography photography;
+    for (const Light& light : dome_lights(60))
+        photography.photos.push_back({light, true, {}, listed_for(light.direction)});
+    const Vec3 direction = glm::normalize(Vec3(0.5f, 0.3f, 0.8f)), listed = listed_for(direction);
+    EXPECT_EQ(as_photographed(distant_light(listed), photography).direction, listed);
+    photography.directions = fit_direction_model(directions_as_listed(photography), fitted_lights(photography));
+    EXPECT_LT(glm::distance(as_photographed(distant_light(listed), photography).direction, direction), 0.005f);
+    const Light near = as_photographed(near_light(listed * 300.0f), photography);
+    EXPECT_LT(glm::distance(near.position_mm.value(), direction * 300.0f), 2);
+    // One of a photograph is where that one's was.
+    const Photography::Photo& photo = photography.photos[7];
+    Light again = photo.light;
+    again.direction = *photo.listed_direction;
+    EXPECT_EQ(as_photographed(again, photography).direction, photo.light.direction);
 }
 
 TEST(AsPhotographed, LeavesLightsAloneWhereNothingIsKnown) {

@@ -85,6 +85,7 @@ TEST(PhotographyJson, RoundTripsRigAndLights) {
     p.photos.back().fitted = true;
     p.beams = BeamModel{.radius_mm = 120.5};
     p.beams->terms[3] = {0.25, {{0.4, {-3}}}};
+    p.directions = DirectionModel{{{{0.02, {}}, {-0.01, {{1.6, {0.5}}}}}}};
     p.rig = {.ambient = 0.0625f,
              .camera_distance_mm = 612.5f,
              .light_distance_mm = {},
@@ -97,7 +98,20 @@ TEST(PhotographyJson, RoundTripsRigAndLights) {
     EXPECT_EQ(back.rig, p.rig);
     EXPECT_EQ(back.light_model, p.light_model);
     EXPECT_EQ(back.beams, p.beams);
+    EXPECT_EQ(back.directions, p.directions);
     EXPECT_EQ(back.photos.at(0).light.beam, p.photos[0].light.beam);
+}
+
+// Files of version 0.1 say where each light is listed, and no more.
+TEST(PhotographyJson, HasAModelOfDirectionsWhereTheyWereCorrected) {
+    Photography p;
+    for (const Light& light : dome_lights(12)) p.photos.push_back({light, true});
+    EXPECT_FALSE(photography_from_json(to_json(p)).directions);
+    for (Photography::Photo& photo : p.photos)
+        photo.listed_direction = glm::normalize(photo.light.direction + Vec3(0.05f, 0, 0));
+    const Photography back = photography_from_json(to_json(p));
+    EXPECT_EQ(back.directions, fit_direction_model(directions_as_listed(p), fitted_lights(p)));
+    EXPECT_NEAR(back.directions.value().turn[0].mean, -0.05, 0.02);
 }
 
 Photography with_strengths() {
