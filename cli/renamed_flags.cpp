@@ -16,7 +16,7 @@ namespace {
 struct Renamed {
     std::string_view before, now;
 };
-constexpr std::array<Renamed, 16> kRenamed = {{
+constexpr std::array<Renamed, 15> kRenamed = {{
     {"--faithful", "--residual"},
     {"--faithful-terms", "--residual-terms"},
     {"--faithful-colour-terms", "--residual-colour-terms"},
@@ -26,7 +26,6 @@ constexpr std::array<Renamed, 16> kRenamed = {{
     {"--drawn-out-lobes", "--anisotropic-specular"},
     {"--haze", "--second-lobe-weight"},
     {"--lamp-radius-deg", "--light-radius-deg"},
-    {"--worth-db", "--min-gain-db"},
     {"--matt-ball", "--diffuse-sphere"},
     {"--no-balls", "--no-spheres"},
     {"--ball-radius-mm", "--sphere-radius-mm"},

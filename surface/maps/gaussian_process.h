@@ -28,7 +28,8 @@ struct GaussianProcess {
 // much the function varies, are not chosen but averaged over, each by its restricted likelihood (chapter 5.4;
 // Patterson and Thompson 1971), so that a few values that look smooth by chance are not followed. Noise has
 // Student's distribution with 4 degrees of freedom (Lange, Little and Taylor 1989): values that are far off
-// bend nothing. Where all values are equal, the function is. No values: 0 everywhere. O(n^3).
+// bend nothing. Where all values are equal, the function is. No values: 0 everywhere. O(n^3); of
+// more than 100 values, some tell which reach and noise are likely.
 GaussianProcess fit_gaussian_process(std::span<const glm::dvec3> directions, std::span<const double> values);
 
 // `directions` as given to fit_gaussian_process().

@@ -25,7 +25,6 @@ TEST(RenamedFlags, AreTakenByTheirOldNames) {
                                       {"--drawn-out-lobes", "--anisotropic-specular"},
                                       {"--haze", "--second-lobe-weight"},
                                       {"--lamp-radius-deg", "--light-radius-deg"},
-                                      {"--worth-db", "--min-gain-db"},
                                       {"--matt-ball", "--diffuse-sphere"},
                                       {"--no-balls", "--no-spheres"},
                                       {"--ball-radius-mm", "--sphere-radius-mm"},
