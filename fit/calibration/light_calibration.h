@@ -107,7 +107,7 @@ struct LightCalibration {
     // [1] As ReflectanceModel's, where directions are measured: photographs tell both only together.
     std::optional<double> diffuse_roughness{};
     std::optional<DirectionModel> directions{};  // where directions were corrected
-    std::vector<Trial> trials{};         // empty where there were too few photographs to try
+    std::vector<Trial> trials{};                 // empty where there were too few photographs to try
 };
 
 // The photographs' lights as the fit should take them. `given` has the lights of stack.photos. Directions

@@ -14,9 +14,10 @@ namespace {
 constexpr std::size_t kFewestVotes = 20;  // that show a photograph
 
 // How the pixels predict the photograph under a light from this direction; nothing where too few do.
-std::optional<ValidationScores> scores_of(const LightSample& sample, const std::vector<WardEstimate>& estimates,
-                                     std::size_t photo, const Vec3& direction, const Lighting& lighting,
-                                     const ReflectanceModel& reflectance_model) {
+std::optional<ValidationScores> scores_of(const LightSample& sample,
+                                          const std::vector<WardEstimate>& estimates, std::size_t photo,
+                                          const Vec3& direction, const Lighting& lighting,
+                                          const ReflectanceModel& reflectance_model) {
     Lighting one{{lighting.lights[photo]}, lighting.rig, lighting.white_level};
     Light& light = one.lights.front();
     light.direction = direction;

@@ -113,8 +113,7 @@ void describe_lights(const Stack& stack, const LightCalibration& calibration, Ph
         add(in_colour(lights[i], stack), true, stack.photos[i]);
     if (calibration.light_model) photography.light_model = fit_light_model(fitted_lights(photography));
     const Photography fitted = photography;
-    for (const StackPhoto& photo : stack.held_out)
-        add(as_photographed(photo.light, fitted), false, photo);
+    for (const StackPhoto& photo : stack.held_out) add(as_photographed(photo.light, fitted), false, photo);
 }
 
 }  // namespace tangi

@@ -37,8 +37,9 @@ private:
     std::vector<std::vector<float>> photos_;  // [photo][pixel] 0 to 1, NaN where there is no sample
 };
 
-// The model to take of those with these scores, from the simplest on: the first that none exceeds by more than
-// one standard error (Breiman, Friedman, Olshen & Stone 1984, "Classification and regression trees", ch. 3).
+// The model to take of those with these scores, from the simplest on: the first that none exceeds by more
+// than one standard error (Breiman, Friedman, Olshen & Stone 1984, "Classification and regression trees", ch.
+// 3).
 std::size_t select_model(std::span<const ValidationScores* const> from_simplest);
 
 }  // namespace tangi

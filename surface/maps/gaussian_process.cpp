@@ -47,8 +47,8 @@ MatrixXd covariances(std::span<const glm::dvec3> directions, double reach) {
 
 // The values under one reach and one noise.
 struct Hypothesis {
-    double reach = 0, noise = 0;    // [1] as above
-    double log_likelihood = 0;  // restricted, but for a constant of all
+    double reach = 0, noise = 0;  // [1] as above
+    double log_likelihood = 0;    // restricted, but for a constant of all
     double mean = 0;
     VectorXd weights;
 };
@@ -92,8 +92,7 @@ private:
         // What the function leaves of each value, and how far it is itself unsure there: in usual variances.
         const VectorXd own = noise * times;
         const VectorXd left = (own.array() * h.weights.array()).square() / variance + own.array() -
-                              own.array().square() *
-                                  inverse_root.colwise().squaredNorm().transpose().array();
+                              own.array().square() * inverse_root.colwise().squaredNorm().transpose().array();
         return (kFreedom + left.array() / noise) / (kFreedom + 1);
     }
 
@@ -113,7 +112,8 @@ std::vector<Hypothesis> all_hypotheses() {
     std::vector<Hypothesis> hypotheses;
     for (const double reach : kReaches)
         for (const double noise : kNoises)
-            hypotheses.push_back({.reach = reach, .noise = noise, .log_likelihood = 0, .mean = 0, .weights = {}});
+            hypotheses.push_back(
+                {.reach = reach, .noise = noise, .log_likelihood = 0, .mean = 0, .weights = {}});
     return hypotheses;
 }
 

@@ -89,8 +89,8 @@ DirectionModel fit_direction_model(std::span<const Vec3> listed, std::span<const
 Vec3 predicted_direction(const DirectionModel& model, std::span<const Vec3> listed, const Vec3& direction) {
     const std::vector<glm::dvec3> directions(listed.begin(), listed.end());
     const glm::dvec3 from(direction);
-    return Vec3(turned(from, {predicted(model.turn[0], directions, from),
-                              predicted(model.turn[1], directions, from)}));
+    return Vec3(turned(
+        from, {predicted(model.turn[0], directions, from), predicted(model.turn[1], directions, from)}));
 }
 
 }  // namespace tangi

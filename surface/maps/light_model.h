@@ -1,6 +1,6 @@
-// light_model.h: the strength and colour of a light, the shape of its beam, and how far it is from where it is
-// listed, as smooth functions of its direction, to predict lights that no photograph had from those that were
-// photographed.
+// light_model.h: the strength and colour of a light, the shape of its beam, and how far it is from where it
+// is listed, as smooth functions of its direction, to predict lights that no photograph had from those that
+// were photographed.
 #pragma once
 
 #include <array>

@@ -55,8 +55,8 @@ std::vector<Light> fitted_lights(const Photography& photography);
 std::vector<Vec3> directions_as_listed(const Photography& photography);
 
 // The light of a lights file with the strength (and, unless it has a position, with direction and position)
-// that it had in its photograph; where there is none, as strong, as near and as far from where it is listed as
-// the lights that were photographed make likely.
+// that it had in its photograph; where there is none, as strong, as near and as far from where it is listed
+// as the lights that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =

@@ -60,8 +60,7 @@ void expect_as_listed(const GildedPanel& panel) {
 }
 
 TP_LONG TEST(LightPixels, LightsThatAreRightAreLeftAloneBesideGold) {
-    for (const std::uint64_t seed : {3u, 4u})
-        expect_as_listed(GildedPanel({.lights = 36}, 0.5, seed));
+    for (const std::uint64_t seed : {3u, 4u}) expect_as_listed(GildedPanel({.lights = 36}, 0.5, seed));
 }
 
 TP_LONG TEST(LightPixels, NearLightsAreFoundBesideGold) {

@@ -178,8 +178,10 @@ TEST(AsPhotographed, MovesListedLightsAsThoseOfTheStackWere) {
         photography.photos.push_back({light, true, {}, listed_for(light.direction)});
     const Vec3 direction = glm::normalize(Vec3(0.5f, 0.3f, 0.8f)), listed = listed_for(direction);
     EXPECT_EQ(as_photographed(distant_light(listed), photography).direction, listed);
-    photography.directions = fit_direction_model(directions_as_listed(photography), fitted_lights(photography));
-    EXPECT_LT(glm::distance(as_photographed(distant_light(listed), photography).direction, direction), 0.005f);
+    photography.directions =
+        fit_direction_model(directions_as_listed(photography), fitted_lights(photography));
+    EXPECT_LT(glm::distance(as_photographed(distant_light(listed), photography).direction, direction),
+              0.005f);
     const Light near = as_photographed(near_light(listed * 300.0f), photography);
     EXPECT_LT(glm::distance(near.position_mm.value(), direction * 300.0f), 2);
     // One of a photograph is where that one's was.
