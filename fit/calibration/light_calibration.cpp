@@ -18,6 +18,9 @@ constexpr int kFewestForRig = 5;
 // lights, all 10 whose lights were 1.4 to 2 times apart gained, 0.1 to 7 dB held out; the others stayed as
 // they were, but for 2 that gained.
 constexpr int kFewestForOwn = 12;
+// Fewer photographs don't tell a light's direction from what the model leaves out: of 16 generated ones, four
+// with light of the room had their lights turned instead.
+constexpr int kFewestForDirections = 24;
 constexpr int kFiner = 4;              // pixels that the chosen model is solved with at last, by those before
 constexpr std::size_t kMostNamed = 5;  // lights, in a warning
 constexpr double kDoubtful_deg = 5;    // [deg] a correction that the user is told of
@@ -128,7 +131,7 @@ void ModelSearch::try_lights() {
 }
 
 void ModelSearch::try_directions() {
-    if (few_) return;
+    if (few_ || (!refined_ && photos() < kFewestForDirections)) return;
     std::vector<LightingModel> models;
     for (const LightFreedom lights : {LightFreedom::none, LightFreedom::rig, LightFreedom::rig_and_gains})
         if (refined_)

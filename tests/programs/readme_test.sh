@@ -36,13 +36,13 @@ trap 'rm -rf "$folder"' EXIT
 mkdir "$folder/bin" "$folder/home"
 ln -s "$program" "$folder/bin/tangipaint"
 cd "$folder/home"
-# The commands are for the sample; here they get the part of it that script/demo --small fits, cut out, as all of it
-# would take minutes and show no more.
+# The commands are for the sample; here they get a part of it, cut out, as all of it would take minutes and show no
+# more: the part that has most of its losses, which are found and filled.
 sample=datasets/impasto/jpg
 mkdir -p "$sample"
 cp "$source/$sample"/*.lp "$sample"
 for photo in "$source/$sample"/*.jpg; do
-    oiiotool "$photo" --cut 160x160+176+176 --quality 95 -o "$sample/${photo##*/}"
+    oiiotool "$photo" --cut 160x160+315+268 --quality 95 -o "$sample/${photo##*/}"
 done
 ln -s "$source/datasets/strokes" datasets/strokes
 export PATH="$folder/bin:$PATH"

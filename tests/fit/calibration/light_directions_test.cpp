@@ -203,22 +203,22 @@ TP_LONG TEST(LightDirections, ThatAreRightAreLeftAlone) {
     EXPECT_EQ(lights.found.model.directions, DirectionFreedom::listed);
 }
 
-TP_LONG TEST(LightDirections, OfFewLightsAreCorrected) {
+// Of 14 photographs none can be spared to judge by; where the user knows that the file is off, they still
+// tell.
+TP_LONG TEST(LightDirections, OfFewLightsAreCorrectedWhereTheUserSaysSo) {
     const auto error = [](const glm::dvec3& d) {
         const double angle = 40 * d.x + 17 * d.y;
         return 4 * kDegree * glm::dvec2(std::cos(angle), std::sin(angle));
     };
     const GeneratorOptions options{.lights = 14, .reflectance = Reflectance::lambert, .cast_shadows = false};
-    for (const bool refine : {false, true}) {
-        const WrongLights lights(options, error, refine);
-        EXPECT_EQ(lights.found.model.directions, DirectionFreedom::own);
-        EXPECT_EQ(lights.found.turns.size(), 14u);
-        const DirectionErrors e = lights.errors();
-        EXPECT_GT(e.before, 2);
-        EXPECT_LT(e.after, 0.4 * e.before);
-    }
+    EXPECT_EQ(WrongLights(options, error).found.model.directions, DirectionFreedom::listed);
+    const WrongLights refined(options, error, true);
+    EXPECT_EQ(refined.found.model.directions, DirectionFreedom::own);
+    EXPECT_EQ(refined.found.turns.size(), 14u);
+    const DirectionErrors e = refined.errors();
+    EXPECT_GT(e.before, 2);
+    EXPECT_LT(e.after, 0.4 * e.before);
     // Right directions stay, also where the user doubts them.
-    EXPECT_LT(WrongLights(options, {}).errors().after, 0.2);
     const DirectionErrors right = WrongLights(options, {}, true).errors();
     EXPECT_LT(right.after, 1);
 }
