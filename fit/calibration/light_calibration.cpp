@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 
 #include "fit/calibration/light_model_selection.h"
 
@@ -45,7 +46,7 @@ public:
 
     // What all lights share, and their strengths.
     void try_lights();
-    // Directions, smooth or of each light's own, with strengths and without: either stands in for the other.
+    // Directions, smooth or of each light's own, with strengths and, as either stands in for the other, without.
     void try_directions();
     // Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are tried with
     // the directions that are found and with those listed.
@@ -56,7 +57,7 @@ public:
 
 private:
     const TriedModel& best() const { return tried_[best_]; }
-    // Tries these and takes the best of all so far that has directions as wanted.
+    // Tries these and takes the best of all so far; of those that have directions as wanted, once there are.
     void attempt(const std::vector<LightingModel>& models,
                  const std::optional<LightBundleAdjustment>& from = {});
     LightCalibration calibration_of(const TriedModel& one) const {
@@ -80,7 +81,8 @@ private:
     std::mutex mutex_;
     int steps_done_ = 0;
     std::vector<TriedModel> tried_;
-    std::size_t best_ = 0, listed_ = 0;  // in tried_: of all, and with directions as listed
+    // In tried_: of all, with directions as listed, and of lights that are alike besides.
+    std::size_t best_ = 0, listed_ = 0, alike_ = 0;
 };
 
 // Where directions have standard errors, or the user says so.
@@ -104,7 +106,7 @@ ModelSearch::ModelSearch(const SurveyedStack& surveyed, const Lighting& given, c
 
 void ModelSearch::attempt(const std::vector<LightingModel>& models,
                           const std::optional<LightBundleAdjustment>& from) {
-    const int steps = (few_ ? 3 : 11) * (1 + out_.trials);  // at most
+    const int steps = (few_ ? 3 : 9) * (1 + out_.trials);  // at most
     const auto step_done = [&] {
         const std::lock_guard lock(mutex_);
         report(progress_, "lights", ++steps_done_ / static_cast<double>(steps));
@@ -112,11 +114,10 @@ void ModelSearch::attempt(const std::vector<LightingModel>& models,
     for (TriedModel& one : tried(sample_, given_, models, out_, step_done, from))
         if (one.solution || tried_.empty()) tried_.push_back(std::move(one));
     const auto model = [&](std::size_t i) -> const LightingModel& { return tried_[i].trial.model; };
-    const auto wanted = [&](std::size_t i) { return !refined_ || model(i).directions == *refined_; };
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < tried_.size(); ++i)
-        if (wanted(i)) order.push_back(i);
-    if (order.empty()) order = {0};
+    const auto unwanted = [&](std::size_t i) { return refined_ && model(i).directions != *refined_; };
+    std::vector<std::size_t> order(tried_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (!std::ranges::all_of(order, unwanted)) std::erase_if(order, unwanted);
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return unknowns(model(i), photos()); });
     std::vector<const ValidationScores*> from_simplest;
     for (const std::size_t i : order) from_simplest.push_back(&tried_[i].trial.scores);
@@ -124,21 +125,20 @@ void ModelSearch::attempt(const std::vector<LightingModel>& models,
 }
 
 void ModelSearch::try_lights() {
-    std::vector<LightingModel> models = {{LightFreedom::none}, {LightFreedom::rig}};
-    if (gains_) models.push_back({LightFreedom::rig_and_gains});
-    attempt(models);
+    attempt({{LightFreedom::none}, {LightFreedom::rig}});
+    alike_ = best_;
+    if (gains_) attempt({{LightFreedom::rig_and_gains}});
     listed_ = best_;
 }
 
 void ModelSearch::try_directions() {
     if (few_ || (!refined_ && photos() < kFewestForDirections)) return;
     std::vector<LightingModel> models;
-    for (const LightFreedom lights : {LightFreedom::none, LightFreedom::rig, LightFreedom::rig_and_gains})
-        if (refined_)
-            models.push_back({lights, *refined_});
-        else
-            for (const DirectionFreedom directions : {DirectionFreedom::smooth, DirectionFreedom::own})
-                models.push_back({lights, directions});
+    for (const std::size_t even : {alike_, listed_})
+        for (const DirectionFreedom directions :
+             refined_ ? std::vector{*refined_} : std::vector{DirectionFreedom::smooth, DirectionFreedom::own})
+            if (even == alike_ || listed_ != alike_)
+                models.push_back({tried_[even].trial.model.lights, directions});
     attempt(models);
 }
 

@@ -90,5 +90,14 @@ TEST(SelectModel, TakesTheSimplestWithinAStandardErrorOfTheBest) {
     EXPECT_EQ(select_model(std::array<const ValidationScores*, 1>{&simple}), 0u);
 }
 
+TEST(SelectModel, LeavesWhatExplainsHardlyMore) {
+    ValidationScores simple, better;
+    for (int i = 0; i < 20; ++i) {
+        simple.add(std::vector(50, 1.0), 1);
+        better.add(std::vector(50, 0.97), 1);  // for sure, by 0.008
+    }
+    EXPECT_EQ(select_model(std::array<const ValidationScores*, 2>{&simple, &better}), 0u);
+}
+
 }  // namespace
 }  // namespace tangi
