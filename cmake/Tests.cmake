@@ -121,10 +121,11 @@ function(tangi_tests program)
     target_compile_definitions(${program}_tests PRIVATE TP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     set_target_properties(${program}_tests PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
     if(ARG_EACH)
+        # Of real data alone: they wait a minute at most for what takes half of one where nothing else runs.
         gtest_discover_tests(${program}_tests TEST_PREFIX ${program}/ TEST_FILTER "-Data*" DISCOVERY_TIMEOUT 60
                              PROPERTIES ${ARG_EACH})
         gtest_discover_tests(${program}_tests TEST_PREFIX ${program}/ TEST_FILTER "Data*" TEST_LIST ${program}_data
-                             DISCOVERY_TIMEOUT 60 PROPERTIES ${ARG_EACH} TIMEOUT 900 LABELS data
+                             DISCOVERY_TIMEOUT 60 PROPERTIES ${ARG_EACH} TIMEOUT 900 LABELS data RUN_SERIAL ON
                              SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
     else()
         foreach(file IN LISTS files)
