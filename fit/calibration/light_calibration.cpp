@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fit/calibration/light_model_selection.h"
+#include "fit/calibration/light_residual.h"
 
 namespace tangi {
 
@@ -46,7 +47,8 @@ public:
 
     // What all lights share, and their strengths.
     void try_lights();
-    // Directions, smooth or of each light's own, with strengths and, as either stands in for the other, without.
+    // Directions, smooth or of each light's own, with strengths and, as either stands in for the other,
+    // without.
     void try_directions();
     // Lights that are aimed otherwise seem to stand elsewhere, and the other way round: beams are tried with
     // the directions that are found and with those listed.

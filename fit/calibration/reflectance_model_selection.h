@@ -35,14 +35,18 @@ struct ReflectanceModelSelection {
 };
 
 // `lighting` has one light for each photograph of the sample's stack. A second lobe and then diffuse
-// roughness, as select_model() (validation_scores.h) says of photographs left out in turn; 0 with fewer than
-// 12 photographs. A roughness that is known already is kept. Deterministic for any number of threads.
+// roughness are only believed where they predict photographs better by more than 0.1 dB and one standard
+// error of the gain (roughness: 0.5 dB and two), the noise to expect of stored values counted as part of
+// every error, second lobe also only where more of the samples are explained; else they are
+// 0, as they are with fewer than 12 photographs. A roughness that is known already is kept. Deterministic for
+// any number of threads.
 ReflectanceModelSelection select_reflectance_model(const LightSample& sample, const Lighting& lighting,
                                                    const Progress& progress = {},
                                                    const std::optional<double>& diffuse_roughness = {});
 
-// The colours of lobes (specular_colour.h) under that law, by the same test where at least 1 % of the sample
-// has any; with lobes anisotropic as the same photographs say, or isotropic.
+// The colours of lobes (specular_colour.h) under that law: where at least 1 % of the sample has any, and
+// photographs are predicted better there by more than 0.1 dB and two standard errors, noise counted
+// likewise; with lobes anisotropic as the same photographs say, or isotropic.
 ReflectanceModelSelection::Colours choose_specular_colours(const LightSample& sample,
                                                            const Lighting& lighting,
                                                            const ReflectanceModel& reflectance_model,
