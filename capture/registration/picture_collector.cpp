@@ -5,6 +5,7 @@
 #include "capture/registration/registration.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
+#include "surface/base/vector_clones.h"
 
 namespace tangi {
 
@@ -71,6 +72,25 @@ void PictureCollector::keep(const std::vector<bool>& kept) {
     photos_ = static_cast<int>(std::count(kept.begin(), kept.end(), true));
 }
 
+namespace {
+
+// Brightness of a row of a photograph. No sample (outside of a warped photograph, where a file has none)
+// stays none: as black it would have edges, which do not move with the painting.
+TP_VECTOR_CLONES
+void grey_of(const Band& band, int photo, int y, std::vector<float>& grey) {
+    const int width = band.width();
+    const auto channels = static_cast<float>(band.channels());
+    float* __restrict values = grey.data();
+    std::fill_n(values, width, 0.0f);
+    for (int c = 0; c < band.channels(); ++c) {
+        const float* row = band.row(photo, c, y);
+        for (int x = 0; x < width; ++x) values[x] += row[x];
+    }
+    for (int x = 0; x < width; ++x) values[x] /= channels;
+}
+
+}  // namespace
+
 void PictureCollector::add(const Band& band) {
     const int width = grid_.width, r = grid_.reduction;
     TP_REQUIRE(band.photos() == photos_ && (photos_ == 0 || band.width() == width),
@@ -80,19 +100,14 @@ void PictureCollector::add(const Band& band) {
         for (int i = begin; i < end; ++i)
             for (int y = band.y0(); y < band.y1(); ++y) {
                 const auto photo = static_cast<std::size_t>(i);
-                std::fill(grey.begin(), grey.end(), 0.0f);
-                for (int c = 0; c < band.channels(); ++c) {
-                    const float* row = band.row(i, c, y);
-                    for (int x = 0; x < width; ++x) grey[static_cast<std::size_t>(x)] += row[x];
+                grey_of(band, i, y, grey);
+                float* reduced = &overview_.pictures[photo](0, y / r);
+                const float* counts = &counts_(0, y / r);
+                for (int x = 0; x < width; x += r) {
+                    float sum = 0;
+                    for (int k = x; k < std::min(x + r, width); ++k) sum += grey[static_cast<std::size_t>(k)];
+                    *reduced++ += sum / *counts++;
                 }
-                // No sample (outside of a warped photograph, where a file has none) stays none: as black it
-                // would have edges, which do not move with the painting.
-                for (float& value : grey) value /= static_cast<float>(band.channels());
-                float* const reduced = &overview_.pictures[photo](0, y / r);
-                const float* const counts = &counts_(0, y / r);
-                for (int x = 0, column = 0; x < width; ++column)
-                    for (const int next = std::min(x + r, width); x < next; ++x)
-                        reduced[column] += grey[static_cast<std::size_t>(x)] / counts[column];
                 for (std::size_t k = 0; k < patches_.size(); ++k) {
                     const glm::ivec2& place = grid_.patches[k];
                     const int row = y - place.y;

@@ -77,6 +77,8 @@ struct FitFiles {
 };
 
 void require_sound(const FitArguments& arguments) {
+    if (arguments.options.preview && arguments.with_residual)
+        throw UsageError("--residual: a preview has none; leave --preview out");
     if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
     if (!arguments.report.empty() && lower_extension(arguments.report) != ".html")
         throw UsageError(fmt::format("--report {}: a page is an .html file", arguments.report));

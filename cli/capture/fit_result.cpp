@@ -55,6 +55,7 @@ nlohmann::json fit_result(const FitResult& fit, const std::vector<RejectedPhoto>
         {"painting", out},
         {"width", fit.surface.width()},
         {"height", fit.surface.height()},
+        {"reduction", r.reduction},
         {"photographs", photographs_of(fit, rejected)},
         {"transfer", transfer_of(r.transfer)},
         {"colour", colour_of(fit)},

@@ -11,6 +11,7 @@
 #include "fit/pipeline/fit_passes.h"
 #include "fit/pipeline/fit_warnings.h"
 #include "fit/pipeline/preprocess.h"
+#include "fit/pipeline/reduced_result.h"
 #include "surface/base/error.h"
 #include "surface/image/memory_budget.h"
 
@@ -60,6 +61,7 @@ public:
     void calibrate_lights();
     void describe_lights();
     void select_reflectance_model();
+    void reduce_to_preview();
     void fit_pixels();
     void find_misfit();
     void correct_colours();
@@ -78,7 +80,7 @@ private:
     void name_photographs();
     void take_white_of_chart();
     LobeFreedom choose_lobes(const LightSample& sample);
-    void look_at_signs(bool height_known);
+    void look_at_signs(FitResult& first, int reduction, bool height_known) const;
 
     Stack stack_;
     FitOptions options_;  // with the white level that is found
@@ -87,6 +89,7 @@ private:
     FitReport& report_ = result_.report;
     Surface& surface_ = result_.surface;
     Survey survey_;
+    ReducedPhotos reduced_;  // of a large picture, until its pixels are fitted
     std::optional<Preprocessed::OrderBefore> order_before_;
     Transfer transfer_;
     bool white_given_ = options_.white_level.has_value();
@@ -112,6 +115,7 @@ void PaintingFit::require_fittable() {
 void PaintingFit::preprocess() {
     Preprocessed seen = tangi::preprocess(stack_, options_.register_photos, progress_);
     survey_ = std::move(seen.survey);
+    reduced_ = std::move(seen.reduced);
     order_before_ = std::move(seen.order_before);
     report_.transfer = std::move(seen.transfer);
     report_.registration = std::move(seen.registration);
@@ -243,21 +247,36 @@ LobeFreedom PaintingFit::choose_lobes(const LightSample& sample) {
     return {rgb && coloured, anisotropic};
 }
 
+// From here on all is of the reduced picture.
+void PaintingFit::reduce_to_preview() {
+    if (!options_.preview || reduced_.empty()) return;
+    report_.reduction = reduced_.reduction();
+    result_ = reduced_result(result_, report_.reduction);
+    survey_ = at_reduced_positions(std::move(survey_), report_.reduction);
+}
+
 void PaintingFit::fit_pixels() {
-    result_.errors = FitErrors(stack_.width(), stack_.height());
+    result_.errors = FitErrors(surface_.width(), surface_.height());
     visibility_ = fit_passes(
-        calibrated(), options_, lobes_, [this](bool height_known) { look_at_signs(height_known); }, result_,
-        progress_);
+        calibrated(), std::move(reduced_), options_, lobes_,
+        [this](FitResult& first, int reduction, bool height_known) {
+            look_at_signs(first, reduction / report_.reduction, height_known);
+        },
+        result_, progress_);
 }
 
-void PaintingFit::look_at_signs(bool height_known) {
-    if (!height_known) report_.signs = check_signs(surface_.normal, surface_.confidence);
+void PaintingFit::look_at_signs(FitResult& first, int reduction, bool height_known) const {
+    FitReport& seen = first.report;
+    if (!height_known) seen.signs = check_signs(first.surface.normal, first.surface.confidence);
     // Where slopes say that an axis is mirrored, or all are turned, this height is of no use.
-    if (report_.signs.wrong() != height_known)
-        report_.shadow_signs = check_shadows(surface_, report_.signs, lit_survey(), progress_);
+    if (seen.signs.wrong() == height_known) return;
+    const Survey survey = at_reduced_positions(survey_, reduction);
+    seen.shadow_signs = check_shadows(first.surface, seen.signs, {survey, transfer_, lighting_}, progress_);
 }
 
+// That compares photographs pixel by pixel.
 void PaintingFit::find_misfit() {
+    if (report_.reduction > 1) return;
     report_.photo_misfits = photo_misfits(calibrated(), surface_, options_.ward.model_error, progress_);
     warn_of_misfit(stack_, report_);
     if (report_.sharpening.suspected() && !report_.sharpening.found())
@@ -266,6 +285,7 @@ void PaintingFit::find_misfit() {
 
 void PaintingFit::correct_colours() {
     const bool by_profile = report_.colour.by_profile, white_by_chart = report_.colour.white_by_chart;
+    if (report_.reduction > 1 && stack_.colour) stack_.colour->chart = {};  // it is of the whole picture
     report_.colour = tangi::correct_colours(stack_, surface_);
     report_.colour.by_profile = by_profile;
     report_.colour.white_by_chart = white_by_chart;
@@ -310,7 +330,8 @@ FitResult fit_painting(Stack stack, const FitOptions& options, const Progress& p
     fit.calibrate_lights();  // 6
     fit.describe_lights();
     fit.select_reflectance_model();  // 7
-    fit.fit_pixels();                // 8, and the refinement of 9
+    fit.reduce_to_preview();
+    fit.fit_pixels();  // 8, and the refinement of 9
     fit.find_misfit();
     fit.correct_colours();
     fit.find_height();  // 9; 10, the residual, is fit_residual()

@@ -44,6 +44,9 @@ struct FitOptions {
     // [deg] Angular radius of the lights; where empty, what cast shadows say (light_angular_radius.h).
     std::optional<double> light_radius_deg{};
     bool refine = true;  // fit twice: the second time with neighbours' lobes and cast shadows known
+    // Fits a large picture reduced to a megapixel at most, in a fraction of the time: a painting of that
+    // size.
+    bool preview = false;
     LightCalibrationOptions calibration = {};
     WardFitOptions ward = {};
     HeightOptions height = {};
@@ -82,6 +85,11 @@ struct FitOptions {
         visit(FieldInfo{"refine", 0, 1, "",
                         "fit twice: the second time with the lobes of neighbours and cast shadows known"},
               self.refine);
+        visit(
+            FieldInfo{"preview", 0, 1, "",
+                      "fit a large picture reduced to a megapixel at most: a smaller painting, in a fraction "
+                      "of the time"},
+            self.preview);
         visit(FieldInfo{"noise", 1e-5, 0.5, "1", "noise of the stored values, full scale = 1"}, self.noise);
     }
 };
@@ -96,6 +104,7 @@ struct FitReport {
     ReflectanceModelSelection reflectance_model;  // of the whole painting, and how it is known
     ColourReport colour;
     WhiteBalances white_balances;  // of the photographs, beside each other; lights.lighting's gains have them
+    int reduction = 1;             // of a preview: by which it is smaller than the picture
     long pixels = 0;               // of the picture
     long fitted = 0;               // with a valid estimate
     long not_converged = 0;        // of those fitted

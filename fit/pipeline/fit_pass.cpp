@@ -4,22 +4,98 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <future>
+#include <limits>
 #include <mutex>
 
+#include "capture/stack/reduced_photos.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
 #include "surface/render/relight.h"
 
 namespace tangi {
 
+namespace {
+
+// Mean and spread of what several Gaussians say of a number: by the law of total variance.
+struct Mixture {
+    double weight = 0, sum = 0, squares = 0;
+    void add(double w, double mean, double sigma) {
+        if (!std::isfinite(sigma)) return;  // nothing is said
+        weight += w;
+        sum += w * mean;
+        squares += w * (sigma * sigma + mean * mean);
+    }
+    double mean() const { return weight > 0 ? sum / weight : 0; }
+    double sigma() const {
+        if (!(weight > 0)) return std::numeric_limits<double>::infinity();
+        return std::sqrt(std::max(squares / weight - mean() * mean(), 0.0));
+    }
+};
+
+struct PriorMixture {
+    Mixture ln_alpha, specular, slope_x, slope_y;
+    void add(double weight, const WardPrior& p) {
+        ln_alpha.add(weight, p.ln_alpha, p.ln_alpha_sigma);
+        specular.add(weight, p.specular, p.specular_sigma);
+        slope_x.add(weight, p.slope.x, p.slope_sigma.x);
+        slope_y.add(weight, p.slope.y, p.slope_sigma.y);
+    }
+    // `within`: by how much more lobes of pixels differ than these do.
+    WardPrior prior(double within) const {
+        WardPrior p{ln_alpha.mean(), within * ln_alpha.sigma(), specular.mean(), within * specular.sigma()};
+        p.slope = {slope_x.mean(), slope_y.mean()};
+        p.slope_sigma = {slope_x.sigma(), slope_y.sigma()};
+        return p;
+    }
+};
+
+}  // namespace
+
 FirstPass::FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors,
-                     const WardPrior& general, const Image<unsigned char>& few_lights, int photos)
-    : lobes(surface, errors, general),
-      slopes(surface, plane),
-      shadows(surface.height_mm, surface.mm_per_pixel, light_radius_deg(surface, {})),
-      occluded(few_lights),
-      lights(surface.width(), surface.height(), photos) {}
+                     const WardPrior& general, const Image<unsigned char>& occluded,
+                     const Image<float>& height_mm, int reduction, int photos)
+    : lights(height_mm.width(), height_mm.height(), photos),
+      lobes_(surface, errors, general),
+      slopes_(surface, plane),
+      shadows_(height_mm, surface.mm_per_pixel / reduction, light_radius_deg(surface, {})),
+      occluded_(occluded),
+      reduction_(reduction),
+      width_(surface.width()),
+      height_(surface.height()) {
+    if (reduction == 1) return;
+    lobes_.advance(0, height_);
+    slopes_.advance(0, height_);
+}
+
+void FirstPass::advance(int y0, int y1) {
+    if (reduction_ > 1) return;  // it knows them all
+    lobes_.advance(y0, y1);
+    slopes_.advance(y0, y1);
+}
+
+WardPrior FirstPass::prior_of(int x, int y) const {
+    WardPrior prior = lobes_.at(x, y);
+    slopes_.add_to(x, y, prior);
+    return prior;
+}
+
+WardPrior FirstPass::prior_at(int x, int y) const {
+    if (reduction_ == 1) return prior_of(x, y);
+    const double u = (x + 0.5) / reduction_ - 0.5, v = (y + 0.5) / reduction_ - 0.5;
+    const int left = static_cast<int>(std::floor(u)), top = static_cast<int>(std::floor(v));
+    PriorMixture mixture;
+    for (const int j : {0, 1})
+        for (const int i : {0, 1}) {
+            const double weight = (i ? u - left : left + 1 - u) * (j ? v - top : top + 1 - v);
+            mixture.add(weight,
+                        prior_of(std::clamp(left + i, 0, width_ - 1), std::clamp(top + j, 0, height_ - 1)));
+        }
+    // The blocks' lobes are means: where neighbouring pixels have nothing in common, these differ so much
+    // less than pixels do.
+    return mixture.prior(reduction_);
+}
 
 namespace {
 
@@ -60,20 +136,21 @@ PixelKnowledge knowledge_of(const FitPass& pass, const Surface& surface, const W
     PixelKnowledge known;
     const bool coloured = !surface.specular_colour.empty();
     if (coloured) known.specular_colour = [&](int x, int y) { return surface.specular_colour(x, y); };
-    const bool anisotropic = !surface.lobe_axes.empty();
-    const auto stretched = [&surface, anisotropic](int x, int y, WardPrior prior) {
-        if (anisotropic)
-            prior.stretch = glm::dvec2(stretch_of(surface.lobe_axes(x, y), surface.roughness(x, y)));
+    if (!surface.lobe_axes.empty())
+        known.stretch = [&surface](int x, int y) {
+            return glm::dvec2(stretch_of(surface.lobe_axes(x, y), surface.roughness(x, y)));
+        };
+    const auto stretched = [stretch = known.stretch](int x, int y, WardPrior prior) {
+        if (stretch) prior.stretch = stretch(x, y);
         return prior;
     };
     if (!pass.first) {
-        if (anisotropic)
+        if (known.stretch)
             known.prior = [stretched, general](int x, int y) { return stretched(x, y, general); };
         return known;
     }
     known.prior = [&surface, coloured, stretched, first = pass.first](int x, int y) {
-        WardPrior prior = stretched(x, y, first->lobes.at(x, y));
-        first->slopes.add_to(x, y, prior);
+        WardPrior prior = stretched(x, y, first->prior_at(x, y));
         if (!coloured) return prior;
         // rho_s of a white lobe is that of the mean channel, of a coloured one that of the largest.
         const Rgb& colour = surface.specular_colour(x, y);
@@ -82,8 +159,8 @@ PixelKnowledge knowledge_of(const FitPass& pass, const Surface& surface, const W
         prior.specular_sigma *= scale;
         return prior;
     };
-    known.shadows = &pass.first->shadows;
-    known.occluded = &pass.first->occluded;
+    known.shadows = &pass.first->shadows();
+    known.occluded = [first = pass.first](int x, int y) { return first->is_occluded(x, y); };
     known.lights = &pass.first->lights;
     return known;
 }
@@ -98,18 +175,31 @@ int rows_of_band(const Stack& stack, const StackReader& reader) {
 
 // One pass over the photographs; the next band is decoded while something is done with this one.
 template <class Do>
-void each_band(const Stack& stack, const Transfer& transfer, const Do& act) {
-    StackReader reader(stack);
-    const int rows = rows_of_band(stack, reader);
-    Band next = reader.read(0, std::min(rows, stack.height()), transfer);
-    for (int y0 = 0; y0 < stack.height(); y0 += rows) {
+void each_band(int height, int rows, const std::function<Band(int y0, int y1)>& read, const Do& act) {
+    const auto read_from = [&](int y0) {
+        return y0 < height ? read(y0, std::min(y0 + rows, height)) : Band();
+    };
+    Band next = read_from(0);
+    for (int y0 = 0; y0 < height; y0 += rows) {
         const Band band = std::move(next);
-        const int y1 = std::min(y0 + rows, stack.height()), y2 = std::min(y1 + rows, stack.height());
-        auto decoded = std::async(std::launch::async,
-                                  [&, y1, y2] { return y1 < y2 ? reader.read(y1, y2, transfer) : Band(); });
+        auto decoded = std::async(std::launch::async, [&, y0] { return read_from(y0 + rows); });
         act(band);
         next = decoded.get();
     }
+}
+
+template <class Do>
+void each_band(const CalibratedStack& input, const Do& act) {
+    const Transfer& transfer = input.transfer;
+    if (const ReducedPhotos* reduced = input.reduced) {
+        constexpr int rows = 64;  // of a megapixel, some dozens of photographs are some 20 MB
+        return each_band(
+            reduced->height(), rows, [&](int y0, int y1) { return reduced->read(y0, y1, transfer); }, act);
+    }
+    StackReader reader(input.stack);
+    each_band(
+        input.stack.height(), rows_of_band(input.stack, reader),
+        [&](int y0, int y1) { return reader.read(y0, y1, transfer); }, act);
 }
 
 // Keeps references to all that it is given.
@@ -128,11 +218,8 @@ public:
           rms_residuals_((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1) {}
 
     void run() {
-        each_band(input_.stack, input_.transfer, [&](const Band& band) {
-            if (pass_.first) {
-                pass_.first->lobes.advance(band.y0(), band.y1());
-                pass_.first->slopes.advance(band.y0(), band.y1());
-            }
+        each_band(input_, [&](const Band& band) {
+            if (pass_.first) pass_.first->advance(band.y0(), band.y1());
             fit_band(band);
         });
         summarise();

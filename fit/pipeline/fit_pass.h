@@ -13,16 +13,33 @@
 
 namespace tangi {
 
-// What the first pass leaves to the second, where it is trusted.
-struct FirstPass {
-    LobePriors lobes;
-    IntegrabilityPriors slopes;
-    CastShadows shadows;
-    const Image<unsigned char>& occluded;
-    LightVisibility lights;
-
+// What the first pass leaves to the second, where it is trusted: of a surface of the size that the second
+// has, or of a smaller one, which reduced photographs showed.
+class FirstPass {
+public:
+    // `surface`, `errors`, `occluded` and `plane`, which was taken off the height, are the first pass's;
+    // `height_mm` is that height in the second's size. Keeps references to all but the plane.
     FirstPass(const Surface& surface, const Plane& plane, const FitErrors& errors, const WardPrior& general,
-              const Image<unsigned char>& few_lights, int photos);
+              const Image<unsigned char>& occluded, const Image<float>& height_mm, int reduction, int photos);
+
+    // From now on prior_at() knows rows y0 <= y < y1, as LobePriors::advance().
+    void advance(int y0, int y1);
+    // Of a pixel of the second pass. Among pixels of a smaller surface, what the four nearest say, whose
+    // differences stand for what is not seen within them.
+    WardPrior prior_at(int x, int y) const;
+    bool is_occluded(int x, int y) const { return occluded_(x / reduction_, y / reduction_); }
+    const CastShadows& shadows() const { return shadows_; }
+
+    LightVisibility lights;  // to be filled in
+
+private:
+    WardPrior prior_of(int x, int y) const;
+
+    LobePriors lobes_;
+    IntegrabilityPriors slopes_;
+    CastShadows shadows_;
+    const Image<unsigned char>& occluded_;
+    int reduction_, width_, height_;  // of the first pass's surface
 };
 
 // What a pass is given of those before, and leaves to those after it.

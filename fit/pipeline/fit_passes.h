@@ -3,13 +3,15 @@
 
 #include <functional>
 
+#include "capture/stack/reduced_photos.h"
 #include "fit/pipeline/fit_painting.h"
 #include "fit/shadows/light_visibility.h"
 
 namespace tangi {
 
-// Looks at the surface as the first pass left it, and once more when it has a first height, without cliffs.
-using FirstLook = std::function<void(bool height_known)>;
+// Looks at the surface as the first pass left it, and once more when it has a first height, without cliffs;
+// adds to its report. It is `reduction` times smaller than the stack.
+using FirstLook = std::function<void(FitResult& first, int reduction, bool height_known)>;
 
 // What lobes of single pixels may be beside white and isotropic.
 struct LobeFreedom {
@@ -19,11 +21,14 @@ struct LobeFreedom {
 // Fills in the maps of `result` but for the final height, and what its report says of pixels. The first pass
 // takes lobes for white and knows no shadows; where lobes may have colours, it shows these, and where they
 // may be anisotropic, some rows that are fitted before it show how; to refine, all pixels are fitted once
-// more, with what neighbours say about lobe and slope and with the shadows of a first height. result.surface
-// has size, scale and law, result.errors the size. Throws as fit_painting(). Returns which lights were seen
+// more, with what neighbours say about lobe and slope and with the shadows of a first height. Of a large
+// stack the `reduced` photographs, where they are not empty, stand in for all in what comes before this last
+// pass, unless relief hides lights; of a preview in that, too. result.surface has size, scale and law,
+// result.errors the size. Throws as fit_painting(). Returns which lights were seen
 // where; none where it is not refined.
-LightVisibility fit_passes(const CalibratedStack& input, const FitOptions& options, const LobeFreedom& lobes,
-                           const FirstLook& look, FitResult& result, const Progress& progress);
+LightVisibility fit_passes(const CalibratedStack& input, ReducedPhotos reduced, const FitOptions& options,
+                           const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
+                           const Progress& progress);
 
 // Whether the residuals of the last pass are small enough to believe what it says of errors.
 bool explains_photographs(const FitReport& report);

@@ -48,17 +48,29 @@ void reject_duplicates(Stack& stack, Survey& surveyed, std::vector<RejectedPhoto
     leave_out_copies(stack, surveyed, rejected);
 }
 
+// To be filled in.
+ReducedPhotos no_reduced_photos(const Stack& stack) {
+    const int reduction = ReducedPhotos::reduction_for(stack.width(), stack.height());
+    return reduction > 1 ? ReducedPhotos(stack, reduction) : ReducedPhotos();
+}
+
 Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progress) {
     Preprocessed result;
     warn_of_compression(stack);
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
-    result.survey = survey(stack, {}, progress, [&](const Band& band) { collected.add(band); });
+    result.reduced = no_reduced_photos(stack);
+    result.survey = survey(stack, {}, progress, [&](const Band& band) {
+        collected.add(band);
+        if (!result.reduced.empty()) result.reduced.add(band);
+    });
     if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
     tell_pixels_without_number(stack, result.survey);
     reject_duplicates(stack, result.survey, result.rejected);
     result.turned_doubt = leave_out_turned(stack, result.survey, result.rejected);
-    collected.keep(still_in(stack, all));
+    const std::vector<bool> kept = still_in(stack, all);
+    collected.keep(kept);
+    if (!result.reduced.empty()) result.reduced.keep(kept);
     result.sharpening = find_sharpening(collected, rounding_of_jpeg(stack));
     result.transfer = decide_transfer(stack, result.survey);
     if (!register_photos) return result;
@@ -73,9 +85,13 @@ Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progr
         result.order_before = {check_list_order(result.survey, result.transfer.transfer, unregistered),
                                {before.begin(), before.begin() + static_cast<std::ptrdiff_t>(photos)}};
     require_enough_lights(stack.lights(), stack.folder.string());
+    result.reduced = no_reduced_photos(stack);
     result.survey = survey(stack, {}, Progress([&](std::string_view, double done) {
                                return !progress || progress("survey as registered", done);
-                           }));
+                           }),
+                           [&](const Band& band) {
+                               if (!result.reduced.empty()) result.reduced.add(band);
+                           });
     result.transfer = decide_transfer(stack, result.survey);
     return result;
 }

@@ -6,6 +6,7 @@
 #include "capture/radiometry/transfer_estimate.h"
 #include "capture/registration/registration.h"
 #include "capture/registration/sharpening.h"
+#include "capture/stack/reduced_photos.h"
 #include "capture/stack/survey.h"
 #include "fit/light_checks/list_order.h"
 
@@ -25,6 +26,7 @@ struct Preprocessed {
     std::optional<OrderBefore> order_before{};
     std::string turned_doubt{};  // turned_photos.h; empty where there is none
     Sharpening sharpening;
+    ReducedPhotos reduced{};  // of the stack's photographs, where the picture is large; else empty
 };
 
 // Surveys the stack and takes photographs out of it that cannot be used, each with a warning that names it;

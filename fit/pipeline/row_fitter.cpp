@@ -17,9 +17,7 @@ static_assert(kWardLanes == kMarchLanes);
 constexpr int kPixelsAtOnce = 8192;
 constexpr double kSampleSize = 512;
 
-bool is_occluded(int x, int y, const PixelKnowledge& known) {
-    return known.occluded && (*known.occluded)(x, y);
-}
+bool is_occluded(int x, int y, const PixelKnowledge& known) { return known.occluded && known.occluded(x, y); }
 
 // Of a occluded pixel, under lights of the colour of its lobe.
 WardStart start_in_shade(int x, int y, const Surface& surface, const PixelKnowledge& known,
@@ -304,7 +302,7 @@ void RowFitter::hand_out(const Band& band, int y0, int y1, const RowTask& task,
             const WardSolution& solution = solutions[static_cast<std::size_t>((y - y0) * band.width() + x)];
             if (!solution.valid && !solution.doubtful) continue;
             WardEstimate e = solution.estimate(band.channels());
-            if (known.prior) e.stretch = known.prior(x, y).stretch;
+            if (known.stretch) e.stretch = known.stretch(x, y);
             if (task.judged) judge(band, x, y, task, solution, e);
             if (e.valid) done(x, y, known.specular_colour ? coloured(e, known.specular_colour(x, y)) : e);
         }

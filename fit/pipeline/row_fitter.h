@@ -38,10 +38,11 @@ bool is_compared(int x, int y, int width, int height);
 // What is known of a pixel beside its samples; empty where nothing is.
 struct PixelKnowledge {
     std::function<WardPrior(int x, int y)> prior;
+    std::function<glm::dvec2(int x, int y)> stretch{};   // that of the prior
     const CastShadows* shadows = nullptr;                // of the relief
     std::function<Rgb(int x, int y)> specular_colour{};  // as Surface::specular_colour
     // As find_occluded_pixels(), of a surface on which the neighbours stand in for them.
-    const Image<unsigned char>* occluded = nullptr;
+    std::function<bool(int x, int y)> occluded{};
     // With `shadows`, to be filled in: what the surface as it is makes of the photographs.
     LightVisibility* lights = nullptr;
 };

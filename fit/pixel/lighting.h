@@ -15,6 +15,7 @@
 namespace tangi {
 
 struct Stack;
+class ReducedPhotos;
 
 struct Lighting {
     std::vector<Light> lights;  // one a photograph
@@ -59,7 +60,8 @@ struct CalibratedStack {
     const Stack& stack;
     const Transfer& transfer;  // of its files
     const NoiseModel& noise;
-    const Lighting& lighting;  // in the order of stack.photos
+    const Lighting& lighting;                // in the order of stack.photos
+    const ReducedPhotos* reduced = nullptr;  // read instead of the stack's photographs where it is given
 };
 
 }  // namespace tangi

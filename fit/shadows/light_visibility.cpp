@@ -114,6 +114,14 @@ bool LightVisibility::empty() const {
     return std::all_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.empty(); });
 }
 
+double LightVisibility::hidden_part() const {
+    std::size_t hidden = 0;
+    for (const std::vector<SeenLight>& row : rows_)
+        hidden += static_cast<std::size_t>(std::ranges::count(row, false, &SeenLight::lit));
+    const double all = static_cast<double>(width_) * static_cast<double>(rows_.size()) * photos_;
+    return all > 0 ? static_cast<double>(hidden) / all : 0;
+}
+
 void LightVisibility::look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0,
                            int y, int count) {
     const Lanes lanes = lanes_of(surface, shadows, x0, y, count);

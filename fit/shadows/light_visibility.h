@@ -44,6 +44,8 @@ public:
     std::span<const SeenLight> row(int y) const { return rows_[static_cast<std::size_t>(y)]; }
     int height() const { return static_cast<int>(rows_.size()); }
     bool empty() const;
+    // [1] Part of all pixels' lights that photographs show hidden.
+    double hidden_part() const;
 
 private:
     void find_runs_of(std::size_t photo, const Surface& surface, const Lighting& lighting);

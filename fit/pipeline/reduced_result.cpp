@@ -1,0 +1,71 @@
+#include "fit/pipeline/reduced_result.h"
+
+#include <algorithm>
+
+#include "surface/image/enlarged.h"
+
+namespace tangi {
+
+namespace {
+
+Image<Rgb> enlarged_colours(const Image<Rgb>& colours, int reduction, int width, int height) {
+    Image<Rgb> result = enlarged_linearly(colours, reduction, width, height);
+    for (Rgb& colour : result.pixels()) colour /= std::max({colour.r, colour.g, colour.b});
+    return result;
+}
+
+// By stretches, which can be averaged.
+void enlarge_lobes(const Surface& first, int reduction, Surface& surface) {
+    Image<Vec3> lobes(first.width(), first.height());
+    for (std::size_t i = 0; i < lobes.size(); ++i) {
+        const float alpha = first.roughness.pixels()[i];
+        const Stretch stretch =
+            first.lobe_axes.empty() ? Stretch(0) : stretch_of(first.lobe_axes.pixels()[i], alpha);
+        lobes.pixels()[i] = {stretch, alpha};
+    }
+    lobes = enlarged_linearly(lobes, reduction, surface.width(), surface.height());
+    if (!first.lobe_axes.empty()) surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
+    for (std::size_t i = 0; i < lobes.size(); ++i) {
+        const Vec3& lobe = lobes.pixels()[i];
+        surface.roughness.pixels()[i] = lobe.z;
+        if (!first.lobe_axes.empty()) surface.lobe_axes.pixels()[i] = axes_of(Stretch(lobe), lobe.z);
+    }
+}
+
+}  // namespace
+
+FitResult reduced_result(const FitResult& result, int reduction) {
+    const auto reduced = [&](int size) { return (size + reduction - 1) / reduction; };
+    const int width = reduced(result.surface.width()), height = reduced(result.surface.height());
+    FitResult first{Surface(width, height), FitErrors(width, height), result.report};
+    first.surface.reflectance_model = result.surface.reflectance_model;
+    first.surface.mm_per_pixel = result.surface.mm_per_pixel * reduction;
+    first.surface.scale_known = result.surface.scale_known;
+    first.surface.photography = result.surface.photography;
+    return first;
+}
+
+void start_with(const FitResult& first, int reduction, FitResult& result) {
+    Surface& surface = result.surface;
+    const int width = surface.width(), height = surface.height();
+    surface.height_mm = enlarged_smoothly(first.surface.height_mm, reduction, width, height);
+    surface.diffuse = enlarged_linearly(first.surface.diffuse, reduction, width, height);
+    if (!first.surface.specular_colour.empty())
+        surface.specular_colour =
+            enlarged_colours(first.surface.specular_colour, reduction, width, height);
+    enlarge_lobes(first.surface, reduction, surface);
+}
+
+void forget_unfitted(Surface& surface) {
+    const Surface none(1, 1);
+    for (std::size_t i = 0; i < surface.confidence.size(); ++i) {
+        if (surface.confidence.pixels()[i] > 0) continue;
+        surface.diffuse.pixels()[i] = none.diffuse(0, 0);
+        surface.roughness.pixels()[i] = none.roughness(0, 0);
+        if (!surface.specular_colour.empty()) surface.specular_colour.pixels()[i] = Rgb(1);
+        if (!surface.lobe_axes.empty())
+            surface.lobe_axes.pixels()[i] = axes_of(Stretch(0), none.roughness(0, 0));
+    }
+}
+
+}  // namespace tangi

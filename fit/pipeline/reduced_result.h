@@ -1,0 +1,18 @@
+// reduced_result.h: the result of a fit of reduced photographs, and what a fit of whole ones starts with.
+#pragma once
+
+#include "fit/pipeline/fit_painting.h"
+
+namespace tangi {
+
+// Empty maps for pictures so many times smaller, with all else that `result` has.
+FitResult reduced_result(const FitResult& result, int reduction);
+
+// Makes the height, ρd, and the colours and axes of lobes of `result` those of `first`, enlarged. Confidence
+// stays 0.
+void start_with(const FitResult& first, int reduction, FitResult& result);
+
+// Pixels of a result that was started so, but were not fitted then, become like those of an empty surface.
+void forget_unfitted(Surface& surface);
+
+}  // namespace tangi
