@@ -1,7 +1,6 @@
 #include "capture/stack/reduced_photos.h"
 
-#include <half.h>
-
+#include <opencv2/core/cvdef.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,9 +37,7 @@ void add_row(const float* row, int width, bool first, float* __restrict sum, flo
 std::vector<float> table_of(const Transfer& transfer) {
     std::vector<float> table(std::size_t{1} << 16);
     for (std::size_t code = 0; code < table.size(); ++code) {
-        half stored;
-        stored.setBits(static_cast<std::uint16_t>(code));
-        const float value = stored;
+        const float value = cv::float16_t::fromBits(static_cast<std::uint16_t>(code));
         table[code] = std::isnan(value) ? value : transfer.decode(value);
     }
     return table;
@@ -49,7 +46,8 @@ std::vector<float> table_of(const Transfer& transfer) {
 }  // namespace
 
 int ReducedPhotos::reduction_for(int width, int height) {
-    return std::max(1, static_cast<int>(std::ceil(std::sqrt(width * static_cast<double>(height) / kMostPixels))));
+    return std::max(
+        1, static_cast<int>(std::ceil(std::sqrt(width * static_cast<double>(height) / kMostPixels))));
 }
 
 ReducedPhotos::ReducedPhotos(const Stack& stack, int reduction)
@@ -109,7 +107,7 @@ void ReducedPhotos::finish_row(Photo& photo, int row) const {
                 highest = std::max(highest, maxima[k]);
             }
             const float mean = sum / static_cast<float>(rows * (next - x));
-            *value++ = half(highest >= clipped_ ? highest * clipped : mean).bits();
+            *value++ = cv::float16_t(highest >= clipped_ ? highest * clipped : mean).bits();
         }
     }
 }
@@ -129,9 +127,9 @@ Band ReducedPhotos::read(int y0, int y1, const Transfer& transfer) const {
         for (int i = begin; i < end; ++i)
             for (int c = 0; c < channels_; ++c)
                 for (int y = y0; y < y1; ++y) {
-                    const std::uint16_t* values =
-                        &photos_[static_cast<std::size_t>(i)]
-                             .values[static_cast<std::size_t>(c * height_ + y) * static_cast<std::size_t>(width_)];
+                    const std::uint16_t* values = &photos_[static_cast<std::size_t>(i)]
+                                                       .values[static_cast<std::size_t>(c * height_ + y) *
+                                                               static_cast<std::size_t>(width_)];
                     float* row = band.row(i, c, y);
                     for (int x = 0; x < width_; ++x) row[x] = table[values[x]];
                 }

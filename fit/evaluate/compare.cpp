@@ -35,8 +35,8 @@ void require_comparable(const Surface& surface, const Stack& stack) {
     if (surface.width() != stack.width() || surface.height() != stack.height())
         fail(
             "{}: the photographs are {} x {}, the painting is {} x {}; give the photographs that it was "
-            "fitted from, "
-            "with the same crop and capture file",
+            "fitted from, with the same crop and capture file; a preview has none of its size: fit it "
+            "without --preview",
             stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
     if (stack.photos.empty() && stack.held_out.empty())
         fail("{}: no photographs to compare with", stack.folder.string());

@@ -51,8 +51,7 @@ void start_with(const FitResult& first, int reduction, FitResult& result) {
     surface.height_mm = enlarged_smoothly(first.surface.height_mm, reduction, width, height);
     surface.diffuse = enlarged_linearly(first.surface.diffuse, reduction, width, height);
     if (!first.surface.specular_colour.empty())
-        surface.specular_colour =
-            enlarged_colours(first.surface.specular_colour, reduction, width, height);
+        surface.specular_colour = enlarged_colours(first.surface.specular_colour, reduction, width, height);
     enlarge_lobes(first.surface, reduction, surface);
 }
 

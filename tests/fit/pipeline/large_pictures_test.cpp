@@ -61,8 +61,7 @@ TP_LONG TEST(LargePictures, AreFittedOnceWhereReliefHidesNothing) {
     EXPECT_FALSE(stages.contains("fit"));
     EXPECT_EQ(once.surface.width(), 1100);
     const double normals = mean_normal_error_deg(once.surface, large.truth),
-                 held_out =
-                     held_out_psnr_db(once.surface, large.folder.path(), large.generator.transfer);
+                 held_out = held_out_psnr_db(once.surface, large.folder.path(), large.generator.transfer);
     std::cout << fmt::format("normals {:.3f} deg, held out {:.2f} dB\n", normals, held_out);
     EXPECT_LT(normals, 0.25);
     EXPECT_GT(held_out, 46);
@@ -89,7 +88,8 @@ TP_LONG TEST(LargePictures, AreFittedTwiceWhereReliefHidesLights) {
 // There is nothing to reduce.
 TEST(LargePictures, APreviewOfASmallOneIsTheFit) {
     const SmallStack small;
-    const FitResult whole = fit_painting(small.open(), {}), preview = fit_painting(small.open(), {.preview = true});
+    const FitResult whole = fit_painting(small.open(), {}),
+                    preview = fit_painting(small.open(), {.preview = true});
     EXPECT_EQ(preview.report.reduction, 1);
     EXPECT_EQ(hash_of(preview.surface), hash_of(whole.surface));
 }
