@@ -16,9 +16,8 @@ namespace {
 // [sigma] Median residual beyond which the model does not explain the photographs (real/coin: 1.5; icon, with
 // its gold, 1.05; the other stacks: 0.56 to 0.76).
 constexpr double kTrusted = 1;
-// [1] Part of all pixels' lights that relief may hide for reduced photographs to tell what a first pass
-// tells. `generate --impasto` 0.4, 0.7, 1 and 2 (1.6 and 3 megapixels) hides 0.00005, 0.002, 0.008 and 0.04:
-// normals are off by 0.9, 1.1, 1.2 and 1.5 times as much as after two passes over the photographs.
+// [1] Part of all pixels' lights that relief may hide for reduced photographs to tell what a first pass tells
+// (docs/validation/benchmarks.md, "A whole fit").
 constexpr double kFewHidden = 1e-3;
 // [1] HeightOptions::tolerance of the height that casts shadows: what is left are long waves.
 constexpr double kShadowTolerance = 1e-3;
