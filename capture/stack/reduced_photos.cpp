@@ -1,8 +1,8 @@
 #include "capture/stack/reduced_photos.h"
 
 #include <opencv2/core/cvdef.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -251,7 +251,7 @@ LobeFreedom PaintingFit::choose_lobes(const LightSample& sample) {
 void PaintingFit::reduce_to_preview() {
     if (!options_.preview || reduced_.empty()) return;
     report_.reduction = reduced_.reduction();
-    result_ = reduced_result(result_, report_.reduction);
+    result_ = reduced_result(result_, reduced_);
     survey_ = at_reduced_positions(std::move(survey_), report_.reduction);
 }
 
@@ -260,7 +260,7 @@ void PaintingFit::fit_pixels() {
     visibility_ = fit_passes(
         calibrated(), std::move(reduced_), options_, lobes_,
         [this](FitResult& first, int reduction, bool height_known) {
-            look_at_signs(first, reduction / report_.reduction, height_known);
+            look_at_signs(first, reduction, height_known);
         },
         result_, progress_);
 }

@@ -235,7 +235,7 @@ std::optional<LightVisibility> refine_by_reduced(const CalibratedStack& whole, R
     });
     CalibratedStack input = whole;
     input.reduced = &reduced;
-    FitResult first = reduced_result(result, reduction);
+    FitResult first = reduced_result(result, reduced);
     Passes passes(input, mask, options, first, shown);
     passes.run_first(lobes, [&](bool height_known) { look(first, reduction, height_known); });
     if (!believes_height(first.report) || passes.refine().hidden_part() > kFewHidden) return {};
@@ -249,11 +249,10 @@ std::optional<LightVisibility> refine_by_reduced(const CalibratedStack& whole, R
 // Two passes over the photographs, or over the reduced ones where `input` has them.
 LightVisibility fit_twice(const CalibratedStack& input, const FitOptions& options, const LobeFreedom& lobes,
                           const FirstLook& look, FitResult& result, const Progress& progress) {
-    const int reduction = input.reduced ? input.reduced->reduction() : 1;
-    Image<unsigned char> mask;
-    if (reduction > 1) mask = reduced_mask(input.stack.mask, reduction);
-    Passes passes(input, reduction > 1 ? mask : input.stack.mask, options, result, progress);
-    passes.run_first(lobes, [&](bool height_known) { look(result, reduction, height_known); });
+    const Image<unsigned char> reduced =
+        input.reduced ? reduced_mask(input.stack.mask, input.reduced->reduction()) : Image<unsigned char>();
+    Passes passes(input, input.reduced ? reduced : input.stack.mask, options, result, progress);
+    passes.run_first(lobes, [&](bool height_known) { look(result, 1, height_known); });
     result.report.refined = options.refine && believes_height(result.report);
     if (result.report.refined) return passes.refine();
     if (options.refine) passes.trust_first();

@@ -10,7 +10,7 @@
 namespace tangi {
 
 // Looks at the surface as the first pass left it, and once more when it has a first height, without cliffs;
-// adds to its report. It is `reduction` times smaller than the stack.
+// adds to its report. It is `reduction` times smaller than what is fitted.
 using FirstLook = std::function<void(FitResult& first, int reduction, bool height_known)>;
 
 // What lobes of single pixels may be beside white and isotropic.

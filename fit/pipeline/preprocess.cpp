@@ -48,8 +48,8 @@ void reject_duplicates(Stack& stack, Survey& surveyed, std::vector<RejectedPhoto
     leave_out_copies(stack, surveyed, rejected);
 }
 
-// To be filled in.
-ReducedPhotos no_reduced_photos(const Stack& stack) {
+// To be filled in; of no stack where the picture is small.
+ReducedPhotos reduced_photos_of(const Stack& stack) {
     const int reduction = ReducedPhotos::reduction_for(stack.width(), stack.height());
     return reduction > 1 ? ReducedPhotos(stack, reduction) : ReducedPhotos();
 }
@@ -59,10 +59,13 @@ Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progr
     warn_of_compression(stack);
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
-    result.reduced = no_reduced_photos(stack);
+    result.reduced = reduced_photos_of(stack);
+    const auto reduce = [&result](const Band& band) {
+        if (!result.reduced.empty()) result.reduced.add(band);
+    };
     result.survey = survey(stack, {}, progress, [&](const Band& band) {
         collected.add(band);
-        if (!result.reduced.empty()) result.reduced.add(band);
+        reduce(band);
     });
     if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
     tell_pixels_without_number(stack, result.survey);
@@ -85,13 +88,11 @@ Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progr
         result.order_before = {check_list_order(result.survey, result.transfer.transfer, unregistered),
                                {before.begin(), before.begin() + static_cast<std::ptrdiff_t>(photos)}};
     require_enough_lights(stack.lights(), stack.folder.string());
-    result.reduced = no_reduced_photos(stack);
+    result.reduced = reduced_photos_of(stack);
     result.survey = survey(stack, {}, Progress([&](std::string_view, double done) {
                                return !progress || progress("survey as registered", done);
                            }),
-                           [&](const Band& band) {
-                               if (!result.reduced.empty()) result.reduced.add(band);
-                           });
+                           reduce);
     result.transfer = decide_transfer(stack, result.survey);
     return result;
 }

@@ -34,12 +34,11 @@ void enlarge_lobes(const Surface& first, int reduction, Surface& surface) {
 
 }  // namespace
 
-FitResult reduced_result(const FitResult& result, int reduction) {
-    const auto reduced = [&](int size) { return (size + reduction - 1) / reduction; };
-    const int width = reduced(result.surface.width()), height = reduced(result.surface.height());
+FitResult reduced_result(const FitResult& result, const ReducedPhotos& photos) {
+    const int width = photos.width(), height = photos.height();
     FitResult first{Surface(width, height), FitErrors(width, height), result.report};
     first.surface.reflectance_model = result.surface.reflectance_model;
-    first.surface.mm_per_pixel = result.surface.mm_per_pixel * reduction;
+    first.surface.mm_per_pixel = result.surface.mm_per_pixel * photos.reduction();
     first.surface.scale_known = result.surface.scale_known;
     first.surface.photography = result.surface.photography;
     return first;

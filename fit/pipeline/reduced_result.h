@@ -1,12 +1,13 @@
 // reduced_result.h: the result of a fit of reduced photographs, and what a fit of whole ones starts with.
 #pragma once
 
+#include "capture/stack/reduced_photos.h"
 #include "fit/pipeline/fit_painting.h"
 
 namespace tangi {
 
-// Empty maps for pictures so many times smaller, with all else that `result` has.
-FitResult reduced_result(const FitResult& result, int reduction);
+// Empty maps for the reduced photographs, with all else that `result` has.
+FitResult reduced_result(const FitResult& result, const ReducedPhotos& photos);
 
 // Makes the height, ρd, and the colours and axes of lobes of `result` those of `first`, enlarged. Confidence
 // stays 0.
