@@ -100,6 +100,11 @@ Flag Flags::flag(const std::string& names, bool& value, const std::string& help)
     return Flag(app_.add_flag(names, value, help));
 }
 
+Flag Flags::flag(const std::string& name, std::optional<bool>& value, const std::string& help) {
+    const auto say = [&value](std::int64_t count) { value = count > 0; };
+    return Flag(app_.add_flag_function(name + ",!--no-" + name.substr(2), say, help));
+}
+
 std::function<std::vector<std::string>()> Flags::typed() const {
     return [&app = app_] {
         std::vector<std::string> names;
@@ -115,9 +120,7 @@ void Flags::field(const FieldInfo& info, bool& value) {
 }
 
 void Flags::field(const FieldInfo& info, std::optional<bool>& value) {
-    const std::string name = flag_name(info);
-    const auto say = [&value](std::int64_t count) { value = count > 0; };
-    app_.add_flag_function(name + ",!--no-" + name.substr(2), say, std::string(info.help));
+    flag(flag_name(info), value, std::string(info.help));
 }
 
 std::string Flags::flag_name(const FieldInfo& info) {

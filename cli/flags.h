@@ -50,6 +50,8 @@ public:
     Flag option(const std::string& name, T& value, const std::string& help);
 
     Flag flag(const std::string& names, bool& value, const std::string& help);
+    // Said or not: --name or --no-name.
+    Flag flag(const std::string& name, std::optional<bool>& value, const std::string& help);
 
     // The flags of the command that were typed, as "--seed"; known once the command line is parsed.
     std::function<std::vector<std::string>()> typed() const;
@@ -65,7 +67,7 @@ public:
 
 private:
     void field(const FieldInfo& info, bool& value);
-    void field(const FieldInfo& info, std::optional<bool>& value);  // said or not
+    void field(const FieldInfo& info, std::optional<bool>& value);
     template <class T>
     void field(const FieldInfo& info, T& value) {
         option(flag_name(info), value, std::string(info.help))

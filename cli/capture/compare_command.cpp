@@ -101,11 +101,6 @@ nlohmann::json run_compare(CompareArguments arguments) {
     const RelightingResidual residual = read_residual(arguments.painting, surface, progress);
     CompareReport report =
         write_comparison(arguments.out, surface, stack, arguments.options, progress, residual);
-    if (residual.empty() && residual_in_vain(surface))
-        report.warnings.push_back(
-            fmt::format("{}: fit --residual found no residual that predicts photographs better than the "
-                        "surface alone, so only that is compared",
-                        arguments.painting));
     nlohmann::json result = to_json(report);
     result["development"] = to_json(development);
     result["page"] = (fs::path(arguments.out) / "compare.html").string();

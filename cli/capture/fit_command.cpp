@@ -27,8 +27,11 @@ struct FitArguments {
     PhotosArguments photos;
     std::string out, report, solver = "batch";
     FitOptions options;
-    bool with_residual = false;
+    std::optional<bool> with_residual;  // where not said, if it predicts better
     ResidualOptions residual_options;
+
+    // A preview has none, nor are its photographs there to be compared with.
+    bool looks_for_residual() const { return with_residual.value_or(!options.preview); }
 };
 
 nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
@@ -46,7 +49,7 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     options["solver"] = arguments.solver;
-    if (arguments.with_residual) options["residual"] = to_json(arguments.residual_options);
+    if (arguments.looks_for_residual()) options["residual"] = to_json(arguments.residual_options);
     options["photos"] = arguments.photos.as_json();
     return {{"program", "tangipaint " TP_VERSION},
             {"command", "fit"},
@@ -77,7 +80,7 @@ struct FitFiles {
 };
 
 void require_sound(const FitArguments& arguments) {
-    if (arguments.options.preview && arguments.with_residual)
+    if (arguments.options.preview && arguments.looks_for_residual())
         throw UsageError("--residual: a preview has none; leave --preview out");
     if (lower_extension(arguments.out) != ".exr") fail("--out {}: a painting is an .exr file", arguments.out);
     if (!arguments.report.empty() && lower_extension(arguments.report) != ".html")
@@ -103,14 +106,28 @@ FitOptions options_of(const FitArguments& arguments) {
     return options;
 }
 
-// Warns where no residual is stored, since none is better than none.
-ResidualFit residual_of(FitResult& fit, const Stack& stack, const ResidualOptions& options,
+// What fit_residual() says; none, told, where photographs that were fitted can no longer be read: the fit is
+// not lost for it.
+ResidualFit residual_or_none(const FitResult& fit, const Stack& stack, const ResidualOptions& options,
+                             std::vector<std::string>& warnings, const Progress& progress) {
+    try {
+        return fit_residual(fit.surface, stack, options, progress);
+    } catch (const Error& error) {
+        warnings.push_back(fmt::format("no residual is stored: {}", error.what()));
+        ResidualFit none;
+        none.report.why = error.what();
+        return none;
+    }
+}
+
+// Warns where none is stored that was asked for.
+ResidualFit residual_of(FitResult& fit, const Stack& stack, const FitArguments& arguments,
                         const Progress& progress) {
-    ResidualFit residual = fit_residual(fit.surface, stack, options, progress);
+    ResidualFit residual =
+        residual_or_none(fit, stack, arguments.residual_options, fit.report.warnings, progress);
     if (residual.report.used) return residual;
-    fit.report.warnings.push_back(
-        "--residual: a residual predicts validation photographs no better than the surface "
-        "alone, so none is stored");
+    if (arguments.with_residual)
+        fit.report.warnings.push_back(fmt::format("--residual: none is stored: {}", residual.report.why));
     fit.surface.provenance = with_residual_in_vain(fit.surface.provenance);
     return residual;
 }
@@ -150,7 +167,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     fit.surface.provenance = json_line(provenance);
     fit.report.warnings = fit_warnings(fit.report);
     ResidualFit residual;
-    if (arguments.with_residual) residual = residual_of(fit, stack, arguments.residual_options, progress);
+    if (arguments.looks_for_residual()) residual = residual_of(fit, stack, arguments, progress);
     if (!development.encoding.doubt.empty()) opened.poor.push_back(development.encoding.doubt);
     std::vector<std::string> poor = poor_reasons(fit.report, opened, arguments.photos.axes());
     if (const std::string none = says_none_is_held_out(held_out, fit); !none.empty()) poor.push_back(none);
@@ -160,7 +177,7 @@ nlohmann::json run_fit(FitArguments arguments, const Progress& progress) {
     std::vector<RejectedPhoto> rejected = opened.rejected;
     rejected.insert(rejected.end(), fit.report.rejected.begin(), fit.report.rejected.end());
     nlohmann::json result = fit_result(fit, rejected, arguments.out);
-    if (arguments.with_residual) result["residual"] = to_json(residual.report);
+    if (arguments.looks_for_residual()) result["residual"] = to_json(residual.report);
     result["development"] = to_json(development);
     result["warnings"] = told(fit.report.warnings, told_before);
     result["poor"] = poor;
@@ -199,14 +216,15 @@ Command fit_command() {
                 flags.fields(arguments->options.ward);
                 flags.fields(arguments->options.height);
                 flags.flag("--residual", arguments->with_residual,
-                           "also store what the photographs show beyond the surface, for relight --residual");
+                           "store what the photographs show beyond the surface, for relight; where not said, "
+                           "if it predicts photographs better that are left out");
                 flags.fields(arguments->residual_options);
                 return [arguments, typed = flags.typed()] {
-                    if (!arguments->with_residual)
+                    if (!arguments->looks_for_residual())
                         refuse_typed(typed(),
                                      {"--residual-terms", "--residual-colour-terms", "--residual-samples",
                                       "--residual-min-gain-db"},
-                                     "is of --residual, which is not asked for");
+                                     "is of a residual, of which there is none");
                     return run_fit(*arguments, console_progress());
                 };
             },

@@ -30,16 +30,17 @@ struct RelightArguments {
     std::string illuminant = "D65", paint_model = "spectral";
     std::vector<std::string> directions, positions;
     double gain = 1;
-    bool with_residual = false, gpu = false;
+    std::optional<bool> with_residual;  // where not said, if there is one of what is drawn
+    bool gpu = false;
     RelightOptions options;
     SweepArguments sweep;
 };
 
-// A painting with its paint, and what --residual adds where none lies.
+// A painting with its paint, and what its residual adds where none lies.
 struct Painting {
     Canvas canvas;
     std::shared_ptr<const Surface> surface;
-    RelightingResidual residual;  // empty without --residual
+    RelightingResidual residual;  // empty where it is left out
     Image<float> bare;
     std::vector<std::string> warnings;
 };
@@ -50,39 +51,55 @@ AppearanceOptions look_of(const RelightArguments& arguments) {
     const auto model = paint_model_named(arguments.paint_model);
     if (!model)
         throw UsageError(fmt::format("--paint-model {}: is not spectral or thesis", arguments.paint_model));
-    if (arguments.with_residual && illuminant != Illuminant::d65)
-        throw UsageError(
-            "--illuminant: what --residual adds is of the light of the photographs; leave one of them out");
     return {.illuminant = illuminant, .model = *model};
+}
+
+// What is drawn that a residual is none of; empty where it fits.
+std::string drawn_otherwise(const RelightArguments& arguments, const Surface& dry,
+                            const RelightingResidual& residual) {
+    const RelightOptions& o = arguments.options;
+    if (look_of(arguments).illuminant != Illuminant::d65)
+        return "--illuminant: what a residual adds is of the light of the photographs";
+    const float radius = static_cast<float>(residual.light_radius_deg);
+    if (o.cast_shadows && o.model == WardModel::bounded &&
+        static_cast<float>(light_radius_deg(dry, o)) == radius)
+        return {};
+    return fmt::format(
+        "the residual was fitted with --cast-shadows, --model bounded and --light-radius-deg {}, and is none "
+        "of anything else",
+        radius);
+}
+
+// Where it is asked for, there must be one, unless the fit found that none is better.
+RelightingResidual residual_to_add(const RelightArguments& arguments, const Surface& dry,
+                                   std::vector<std::string>& warnings, const Progress& progress) {
+    if (!arguments.with_residual.value_or(true)) return {};
+    RelightingResidual residual = read_residual(arguments.painting, dry, progress);
+    const bool required = arguments.with_residual.has_value();
+    if (residual.empty()) {
+        if (required && !residual_in_vain(dry))
+            fail("{}: has no part 'residual'; fit the painting again, without --no-residual",
+                 arguments.painting);
+        if (required)
+            warnings.push_back(
+                fmt::format("--residual: {} holds none, since the fit found none that predicts photographs "
+                            "better than the surface alone, which is what is shown",
+                            arguments.painting));
+        return residual;
+    }
+    const std::string otherwise = drawn_otherwise(arguments, dry, residual);
+    if (otherwise.empty()) return residual;
+    if (required) throw UsageError(fmt::format("--residual: {}; leave one of them out", otherwise));
+    return {};
 }
 
 Painting read_all(const RelightArguments& arguments, const Progress& progress) {
     const AppearanceOptions look = look_of(arguments);
     Canvas canvas = read_canvas(arguments.painting, progress);
-    RelightingResidual residual;
     std::vector<std::string> warnings;
-    if (arguments.with_residual) {
-        residual = read_residual(arguments.painting, canvas.dry(), progress);
-        const bool in_vain = residual.empty() && residual_in_vain(canvas.dry());
-        if (in_vain)
-            warnings.push_back(
-                fmt::format("--residual: {} holds no residual, since fit --residual found none that predicts "
-                            "photographs better than the surface alone, which is what is shown",
-                            arguments.painting));
-        else if (residual.empty())
-            fail("{}: has no part 'residual'; make it with: tangipaint fit --residual", arguments.painting);
-        const RelightOptions& o = arguments.options;
-        if (in_vain) {  // any model will do
-        } else if (!o.cast_shadows || o.model != WardModel::bounded ||
-                   static_cast<float>(light_radius_deg(canvas.dry(), o)) !=
-                       static_cast<float>(residual.light_radius_deg))
-            throw UsageError(
-                fmt::format("--residual: was fitted with --cast-shadows, --model bounded and "
-                            "--light-radius-deg {}, and is no residual of anything else",
-                            static_cast<float>(residual.light_radius_deg)));
-    }
+    RelightingResidual residual = residual_to_add(arguments, canvas.dry(), warnings, progress);
     auto surface = shown(canvas, look, progress);
-    Image<float> bare = arguments.with_residual ? bare_part(canvas) : Image<float>();
+    Image<float> bare = residual.empty() ? Image<float>() : bare_part(canvas);
     return {std::move(canvas), std::move(surface), std::move(residual), std::move(bare), std::move(warnings)};
 }
 
@@ -201,7 +218,10 @@ nlohmann::json relight_one(const Painting& painting, const RelightArguments& arg
     const nlohmann::json warnings = told(all);
     PaintingRelighter relighter(painting, arguments);
     write_relit(arguments.out, *painting.surface, lights, arguments, relighter, progress);
-    return {{"pictures", {arguments.out}}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
+    return {{"pictures", {arguments.out}},
+            {"warnings", warnings},
+            {"residual", !painting.residual.empty()},
+            {"drawn_by", relighter.drawn_by()}};
 }
 
 // A film is for people: sRGB, as bright as the photographs were.
@@ -224,6 +244,7 @@ nlohmann::json relight_sweep(const Painting& painting, const RelightArguments& a
     return {{"film", arguments.out},
             {"frames", frames},
             {"warnings", warnings},
+            {"residual", !painting.residual.empty()},
             {"drawn_by", relighter.drawn_by()}};
 }
 
@@ -295,7 +316,10 @@ nlohmann::json relight_all(const Painting& painting, const RelightArguments& arg
         report(progress, "relight", static_cast<double>(i + 1) / static_cast<double>(outputs.size()));
     }
     written.place();
-    return {{"pictures", pictures}, {"warnings", warnings}, {"drawn_by", relighter.drawn_by()}};
+    return {{"pictures", pictures},
+            {"warnings", warnings},
+            {"residual", !painting.residual.empty()},
+            {"drawn_by", relighter.drawn_by()}};
 }
 
 nlohmann::json run_relight(RelightArguments arguments) {
@@ -361,7 +385,9 @@ Command relight_command() {
                 .check(within(0, 1e4));
             flags.flag(
                 "--residual", a->with_residual,
-                "add what the photographs showed beyond the surface, where no paint lies (fit --residual)");
+                "add what the photographs showed beyond the surface, where no paint lies; where not said, "
+                "if the painting has such a residual, and shadows, model, light radius and illuminant are "
+                "those that it was fitted with");
             flags.flag("--gpu", a->gpu,
                        "draw with OpenGL, without a window; where that cannot be, as without it");
             flags.fields(a->options);

@@ -6,11 +6,13 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "capture/stack/reduced_photos.h"
 #include "capture/stack/survey.h"
 #include "fit/residual/residual_kernel.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
 #include "surface/base/symmetric_matrix.h"
+#include "surface/maps/mean_material.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/render/relight.h"
 
@@ -66,27 +68,37 @@ Colours colours_of(const Surface& surface, const Stack& stack) {
     return colours;
 }
 
-// Linear values of one photograph; NaN where it does not reach. Grey becomes RGB.
-Image<Rgb> linear_picture(const Stack& one, const Transfer& transfer) {
+// Linear values of one photograph, or of its blocks; NaN where it does not reach. Grey becomes RGB.
+Image<Rgb> linear_picture(const Stack& one, const Transfer& transfer, int reduction) {
     StackReader reader(one);
-    Image<Rgb> picture(one.width(), one.height());
-    for (int y0 = 0; y0 < one.height(); y0 += kBandRows) {
-        const Band band =
-            reader.read(y0, std::min(y0 + kBandRows, one.height()), one.development ? Transfer{} : transfer);
-        for (int y = y0; y < band.y1(); ++y)
+    const Transfer decoded = one.development ? Transfer{} : transfer;
+    ReducedPhotos reduced(one, reduction);
+    Image<Rgb> picture(reduced.width(), reduced.height());
+    const auto take = [&](const Band& band) {
+        for (int y = band.y0(); y < band.y1(); ++y)
             for (int c = 0; c < 3; ++c) {
                 const float* row = band.row(0, std::min(c, one.channels - 1), y);
-                for (int x = 0; x < one.width(); ++x) picture(x, y)[c] = row[x];
+                for (int x = 0; x < picture.width(); ++x) picture(x, y)[c] = row[x];
             }
+    };
+    for (int y0 = 0; y0 < one.height(); y0 += kBandRows) {
+        const Band band =
+            reader.read(y0, std::min(y0 + kBandRows, one.height()), reduction > 1 ? Transfer{} : decoded);
+        if (reduction > 1) {
+            reduced.add(band);
+        } else {
+            take(band);
+        }
     }
+    if (reduction > 1) take(reduced.read(0, reduced.height(), decoded));
     return picture;
 }
 
 // A photograph less the surface relit, per irradiance, in the frame of the pixel's colour; and, where asked
 // for, both at the samples.
-Image<Vec3> residual_of(const Surface& surface, const FittedPhoto& photo, const Colours& colours,
-                        std::span<const glm::ivec2> samples, Sampled* sampled) {
-    const Image<Rgb> taken = linear_picture(photo.stack, colours.transfer);
+Image<Vec3> residual_of(const Surface& surface, int reduction, const FittedPhoto& photo,
+                        const Colours& colours, std::span<const glm::ivec2> samples, Sampled* sampled) {
+    const Image<Rgb> taken = linear_picture(photo.stack, colours.transfer, reduction);
     const Image<Rgb> relit = relight(surface, {&photo.light, 1}, {.cast_shadows = true});
     Image<Vec3> residual(surface.width(), surface.height(), Vec3(0));
     parallel_for(0, surface.height(), 16, [&](int begin, int end) {
@@ -139,8 +151,17 @@ std::vector<glm::ivec2> sample_positions(const Surface& surface, int count) {
     return measured;
 }
 
-// Principal components [photograph][term] of what the regression predicts at the photographs.
-Matrix components_of(const Matrix& predicted, int most) {
+// Few functions of the light's direction in place of what the regression of residuals x says: it predicts
+// k(l)^T inverse x, which coefficients^T x and functions^T k(l) stand for.
+struct FewFunctions {
+    Matrix coefficients, functions;  // [photograph][term]
+};
+
+// By the principal components of what it predicts at the photographs, as bright as it is there: M = D K
+// inverse X, of samples X, is about U U^T M.
+FewFunctions few_functions(const Matrix& kernel, const Matrix& inverse, const Eigen::VectorXd& irradiance,
+                           const Matrix& samples, int most) {
+    const Matrix predicted = irradiance.asDiagonal() * (kernel * (inverse * samples));
     const SymmetricEigen found = symmetric_eigen(predicted * predicted.transpose());
     const Eigen::VectorXd energy = found.values.cwiseMax(0).reverse();
     double kept = 0;
@@ -153,7 +174,9 @@ Matrix components_of(const Matrix& predicted, int most) {
         components.col(t).cwiseAbs().maxCoeff(&largest);
         if (components(largest, t) < 0) components.col(t) *= -1;
     }
-    return components;
+    const Matrix reached = inverse * (samples * predicted.transpose()) * components;
+    return {inverse * (kernel * (irradiance.asDiagonal() * components)),
+            reached * energy.head(terms).cwiseInverse().asDiagonal()};
 }
 
 // Columns of the samples' residuals along (component 0) or across (1 and 2) the pixel's colour.
@@ -168,6 +191,18 @@ Matrix columns_of(const Matrix& residual, bool along) {
             result.col(2 * j + 1) = residual.col(3 * j + 2);
         }
     return result;
+}
+
+// [1] Of each photograph, over the samples and channels.
+Eigen::VectorXd mean_irradiance(const Samples& samples) {
+    Eigen::VectorXd means(static_cast<Eigen::Index>(samples.photos.size()));
+    for (Eigen::Index i = 0; i < means.size(); ++i) {
+        const std::vector<Rgb>& all = samples.photos[static_cast<std::size_t>(i)].irradiance;
+        Rgb sum(0);
+        for (const Rgb& value : all) sum += value;
+        means[i] = static_cast<double>(sum.r + sum.g + sum.b) / (3 * static_cast<double>(all.size()));
+    }
+    return means;
 }
 
 RelightingResidual::Weights rows_of(const Matrix& m) {
@@ -214,7 +249,14 @@ void compare_with(const Choice& choice, const Samples& s, const Colours& colours
     report_.ridge = choice.ridge;
     report_.cv_psnr_db = choice.mean_db;
     report_.gain_error_db = std::sqrt(std::max(square / n - sum * sum / (n * n), 0.0) / std::max(n - 1, 1.0));
-    report_.used = sum / n > std::max(options.residual_min_gain_db, kSureOfGain * report_.gain_error_db);
+    const double enough = std::max(options.residual_min_gain_db, kSureOfGain * report_.gain_error_db);
+    report_.used = sum / n > enough;
+    if (!report_.used)
+        report_.why = fmt::format(
+            "a residual predicts validation photographs no better than the surface alone: by {:.2f} dB, "
+            "where "
+            "{:.2f} dB would count",
+            sum / n, enough);
 }
 
 void require_fitted_from(const Surface& surface, const Stack& stack) {
@@ -226,21 +268,14 @@ void require_fitted_from(const Surface& surface, const Stack& stack) {
             stack.folder.string(), stack.width(), stack.height(), surface.width(), surface.height());
 }
 
-void require_enough(const std::vector<FittedPhoto>& photos, const Stack& stack) {
-    if (photos.size() < kFewestForResidual)
-        fail(
-            "{}: {} photographs are too few for a residual over the light's direction, which needs {}; fit "
-            "without "
-            "--residual",
-            stack.folder.string(), photos.size(), kFewestForResidual);
-}
-
 // The fit of the residual: photographs are sampled, a kernel is chosen, and then all pixels are summed up.
 class ResidualFitter {
 public:
-    ResidualFitter(const Surface& surface, const Stack& stack, const ResidualOptions& options,
+    // `surface` has blocks for pixels, of as many of the stack's a side.
+    ResidualFitter(const Surface& surface, int reduction, const Stack& stack, const ResidualOptions& options,
                    std::vector<FittedPhoto> photos, const Progress& progress)
         : surface_(surface),
+          reduction_(reduction),
           options_(options),
           photos_(std::move(photos)),
           progress_(progress),
@@ -255,6 +290,7 @@ private:
     void sum_up(const Choice& choice, ResidualFit& result);
 
     const Surface& surface_;
+    const int reduction_;
     const ResidualOptions& options_;
     const std::vector<FittedPhoto> photos_;
     const Progress& progress_;
@@ -273,7 +309,7 @@ void ResidualFitter::sample_photographs() {
     const bool keep = photos_.size() * surface_.height_mm.size() * sizeof(Vec3) <= kKeptBytes;
     for (std::size_t i = 0; i < photos_.size(); ++i) {
         Sampled& sampled = samples_.photos.emplace_back();
-        Image<Vec3> residual = residual_of(surface_, photos_[i], colours_, positions_, &sampled);
+        Image<Vec3> residual = residual_of(surface_, reduction_, photos_[i], colours_, positions_, &sampled);
         for (std::size_t j = 0; j < positions_.size(); ++j)
             for (int c = 0; c < 3; ++c)
                 samples_.residual(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(3 * j) + c) =
@@ -286,34 +322,42 @@ void ResidualFitter::sample_photographs() {
 void ResidualFitter::sum_up(const Choice& choice, ResidualFit& result) {
     const Matrix kernel = kernel_matrix(directions_, choice.kernel, choice.reach);
     const Matrix inverse = inverse_of(kernel, choice.ridge);
-    const Matrix predicted = kernel * inverse * samples_.residual;
-    const Matrix along = components_of(columns_of(predicted, true), options_.residual_terms);
-    const Matrix across = components_of(columns_of(predicted, false), options_.residual_colour_terms);
+    const Eigen::VectorXd irradiance = mean_irradiance(samples_);
+    const FewFunctions along = few_functions(kernel, inverse, irradiance, columns_of(samples_.residual, true),
+                                             options_.residual_terms);
+    const FewFunctions across = few_functions(
+        kernel, inverse, irradiance, columns_of(samples_.residual, false), options_.residual_colour_terms);
     RelightingResidual& residual = result.residual;
     residual.kernel = choice.kernel;
     residual.reach = choice.reach;
     residual.light_radius_deg = light_radius_deg(surface_, {});
     residual.directions = directions_;
-    residual.brightness_weights = rows_of(along.transpose() * inverse);
-    residual.colour_weights = rows_of(across.transpose() * inverse);
-    residual.brightness.assign(static_cast<std::size_t>(along.cols()),
+    residual.brightness_weights = rows_of(along.functions.transpose());
+    residual.colour_weights = rows_of(across.functions.transpose());
+    residual.brightness.assign(residual.brightness_weights.size(),
                                Image<float>(surface_.width(), surface_.height()));
-    residual.colour.assign(static_cast<std::size_t>(2 * across.cols()),
+    residual.colour.assign(2 * residual.colour_weights.size(),
                            Image<float>(surface_.width(), surface_.height()));
     for (std::size_t i = 0; i < photos_.size(); ++i) {
-        accumulate(!kept_.empty() ? kept_[i] : residual_of(surface_, photos_[i], colours_, {}, nullptr),
-                   along, across, static_cast<Eigen::Index>(i), residual);
+        accumulate(
+            !kept_.empty() ? kept_[i] : residual_of(surface_, reduction_, photos_[i], colours_, {}, nullptr),
+            along.coefficients, across.coefficients, static_cast<Eigen::Index>(i), residual);
         report(progress_, "residual",
                0.5 + 0.5 * static_cast<double>(i + 1) / static_cast<double>(photos_.size()));
     }
-    residual.dry_hash = hash_of(surface_);
-    result.report.terms = static_cast<int>(along.cols());
-    result.report.colour_terms = static_cast<int>(across.cols());
+    residual.reduction = reduction_;
+    result.report.bytes = bytes_of(residual);
+    result.report.terms = static_cast<int>(residual.brightness_weights.size());
+    result.report.colour_terms = static_cast<int>(residual.colour_weights.size());
 }
 
 ResidualFit ResidualFitter::run() {
     ResidualFit result;
-    if (positions_.empty()) return result;
+    result.report.reduction = reduction_;
+    if (positions_.empty()) {
+        result.report.why = "no pixel was fitted";
+        return result;
+    }
     sample_photographs();
     const Choice choice = choose_kernel(samples_, colours_, directions_, progress_);
     compare_with(choice, samples_, colours_, options_, result.report);
@@ -328,12 +372,27 @@ ResidualFit fit_residual(const Surface& surface, const Stack& stack, const Resid
     validate(options);
     require_fitted_from(surface, stack);
     std::vector<FittedPhoto> photos = fitted_photos(surface, stack);
-    require_enough(photos, stack);
-    return ResidualFitter(surface, stack, options, std::move(photos), progress).run();
+    ResidualFit result;
+    if (photos.size() < kFewestForResidual) {
+        result.report.why = fmt::format(
+            "{} photographs are too few for a residual over the light's direction, which needs {}",
+            photos.size(), kFewestForResidual);
+        return result;
+    }
+    const int reduction = ReducedPhotos::reduction_for(surface.width(), surface.height());
+    const Surface blocks = reduction > 1 ? reduced(surface, reduction) : Surface();
+    result = ResidualFitter(reduction > 1 ? blocks : surface, reduction, stack, options, std::move(photos),
+                            progress)
+                 .run();
+    if (result.report.used) result.residual.dry_hash = hash_of(surface);
+    return result;
 }
 
 nlohmann::json to_json(const ResidualReport& report) {
+    if (!report.used && report.cv_psnr_db == 0) return {{"used", false}, {"why", report.why}};
     return {{"used", report.used},
+            {"why", report.why},
+            {"reduction", report.reduction},
             {"kernel", name_of(report.kernel)},
             {"reach", report.reach},
             {"ridge", report.ridge},
@@ -342,7 +401,8 @@ nlohmann::json to_json(const ResidualReport& report) {
             {"gain_error_db", report.gain_error_db},
             {"terms", report.terms},
             {"colour_terms", report.colour_terms},
-            {"coefficients", report.terms + 2 * report.colour_terms}};
+            {"coefficients", report.terms + 2 * report.colour_terms},
+            {"bytes", report.bytes}};
 }
 
 }  // namespace tangi

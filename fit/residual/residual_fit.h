@@ -6,10 +6,13 @@
 // ridge are those that predict each fitted photograph best from all others, in the photographs' encoding
 // (leave-one-out in closed form, the same book, eq. 5.12); of those that do so as well, the most careful
 // ones. Where that gains nothing, there is no residual. The functions of the direction are the principal
-// components of what the regression predicts at the photographs.
+// components of what the regression predicts at the photographs. Of a picture of more than a megapixel, all
+// of it is that of blocks of pixels, their means (ReducedPhotos, mean_material.h): what a surface lacks that
+// a neighbourhood has in common.
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "capture/stack/stack.h"
 #include "surface/base/options.h"
@@ -42,13 +45,16 @@ struct ResidualOptions {
 };
 
 struct ResidualReport {
-    bool used = false;  // false: it gains nothing, there is no residual
+    bool used = false;  // false: there is no residual, for this reason:
+    std::string why;    // empty where it is used
+    int reduction = 1;  // [pixels] a side of its blocks; the figures below are of blocks' means
     RelightingResidual::Kernel kernel = RelightingResidual::Kernel::gaussian;
     double reach = 0, ridge = 0;  // [1]
     double surface_db = 0;        // [dB] mean PSNR of the fitted photographs' samples, surface alone
     double cv_psnr_db = 0;        // [dB] and each with the residual that the others make
     double gain_error_db = 0;     // [dB] standard error of their difference
     int terms = 0, colour_terms = 0;
+    std::size_t bytes = 0;  // [bytes] of the residual in the painting file, before it is compressed
 };
 nlohmann::json to_json(const ResidualReport& report);
 
@@ -59,10 +65,10 @@ struct ResidualFit {
 
 // The residual of the photographs of the stack that the surface lists as fitted; held-out ones have no part.
 // The surface is final (colours corrected, height integrated): each photograph is compared with relight()
-// under cast shadows. Clipped values say "at least this". Memory beyond the surface: 4 bytes a pixel for each
+// under cast shadows. Clipped values say "at least this". Memory beyond the surface: 4 bytes a block for each
 // coefficient (36 with the default options), whatever the number of photographs, and up to 256 MB of
 // residuals, without which photographs are read twice. The same bits on any number of threads. Throws Error:
-// sizes that differ, fewer than 8 photographs; Cancelled.
+// sizes that differ; Cancelled.
 ResidualFit fit_residual(const Surface& surface, const Stack& stack, const ResidualOptions& options = {},
                          const Progress& progress = {});
 

@@ -1,5 +1,6 @@
 #include "surface/render/relighting_residual.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -39,12 +40,10 @@ const Image<float>& map_of(const RelightingResidual& r, std::size_t channel) {
 json model_of(const RelightingResidual& r) {
     json directions = json::array();
     for (const Vec3& d : r.directions) directions.push_back({d.x, d.y, d.z});
-    return {{"kernel", name_of(r.kernel)},
-            {"reach", r.reach},
-            {"light_radius_deg", r.light_radius_deg},
-            {"directions", directions},
-            {"brightness", r.brightness_weights},
-            {"colour", r.colour_weights}};
+    return {
+        {"kernel", name_of(r.kernel)}, {"reach", r.reach},         {"light_radius_deg", r.light_radius_deg},
+        {"reduction", r.reduction},    {"directions", directions}, {"brightness", r.brightness_weights},
+        {"colour", r.colour_weights}};
 }
 
 // What the attribute says; throws what the JSON reader throws, or runtime_error.
@@ -60,6 +59,8 @@ RelightingResidual from_model(const json& model) {
     r.light_radius_deg = model.at("light_radius_deg").get<double>();
     if (!(r.reach > 0) || !(r.light_radius_deg >= 0 && r.light_radius_deg <= 45))
         throw std::runtime_error("reach or light_radius_deg is out of range");
+    r.reduction = model.value("reduction", 1);  // files of version 0.1 know no blocks
+    if (r.reduction < 1) throw std::runtime_error("reduction is out of range");
     for (const json& d : model.at("directions"))
         r.directions.push_back(Vec3(d.at(0).get<float>(), d.at(1).get<float>(), d.at(2).get<float>()));
     r.brightness_weights = model.at("brightness").get<RelightingResidual::Weights>();
@@ -103,40 +104,83 @@ glm::mat3 colour_frame(const Rgb& diffuse) {
     return {u, e1, glm::cross(u, e1)};
 }
 
+namespace {
+
+// [per irradiance; along u, e1, e2] Of each block, under a light.
+Image<Vec3> residual_under(const RelightingResidual& residual, const Vec3& direction) {
+    const auto b = weights_at(residual, residual.brightness_weights, direction);
+    const auto c = weights_at(residual, residual.colour_weights, direction);
+    const Image<float>& first = residual.brightness.front();
+    Image<Vec3> sum(first.width(), first.height(), Vec3(0));
+    parallel_for(0, sum.height(), 8, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            const auto row = sum.row(y);
+            const auto add = [&](const Image<float>& map, double weight, int component) {
+                const float w = static_cast<float>(weight);
+                const auto values = map.row(y);
+                for (std::size_t x = 0; x < row.size(); ++x) row[x][component] += w * values[x];
+            };
+            for (std::size_t t = 0; t < b.size(); ++t) add(residual.brightness[t], b[t], 0);
+            for (std::size_t t = 0; t < c.size(); ++t) {
+                add(residual.colour[2 * t], c[t], 1);
+                add(residual.colour[2 * t + 1], c[t], 2);
+            }
+        }
+    });
+    return sum;
+}
+
+// Where a pixel lies between the middles of blocks.
+struct Between {
+    Between(int pixel, int reduction, int blocks) {
+        const float at = (static_cast<float>(pixel) + 0.5f) / static_cast<float>(reduction) - 0.5f;
+        before = std::clamp(static_cast<int>(std::floor(at)), 0, blocks - 1);
+        after = std::min(before + 1, blocks - 1);
+        part = std::clamp(at - static_cast<float>(before), 0.0f, 1.0f);
+    }
+    int before, after;
+    float part;  // of the one after
+};
+
+Vec3 value_at(const Image<Vec3>& blocks, const Between& x, const Between& y) {
+    const Vec3 above = glm::mix(blocks(x.before, y.before), blocks(x.after, y.before), x.part);
+    return glm::mix(above, glm::mix(blocks(x.before, y.after), blocks(x.after, y.after), x.part), y.part);
+}
+
+int blocks_of(int pixels, int reduction) { return (pixels + reduction - 1) / reduction; }
+
+}  // namespace
+
 void add_residual(const RelightingResidual& residual, const Surface& dry, std::span<const Light> lights,
                   const Image<float>& bare, Image<Rgb>& picture) {
     if (residual.empty()) return;
-    TP_REQUIRE(picture.region() == dry.height_mm.region() &&
-                   residual.brightness.front().region() == picture.region() &&
+    const Image<float>& first = residual.brightness.front();
+    const int k = residual.reduction;
+    TP_REQUIRE(picture.region() == dry.height_mm.region() && first.width() == blocks_of(dry.width(), k) &&
+                   first.height() == blocks_of(dry.height(), k) &&
                    (bare.empty() || bare.region() == picture.region()),
                "picture, painting and residual have one size");
-    const int width = picture.width();
     for (const Light& light : lights) {
-        const auto b = weights_at(residual, residual.brightness_weights, light.direction);
-        const auto c = weights_at(residual, residual.colour_weights, light.direction);
+        const Image<Vec3> blocks = residual_under(residual, light.direction);
         parallel_for(0, picture.height(), 8, [&](int begin, int end) {
-            std::vector<Vec3> row(static_cast<std::size_t>(width));  // along u, e1, e2
             for (int y = begin; y < end; ++y) {
-                std::fill(row.begin(), row.end(), Vec3(0));
-                const auto add = [&](const Image<float>& map, double weight, int component) {
-                    const float w = static_cast<float>(weight);
-                    const auto values = map.row(y);
-                    for (std::size_t x = 0; x < row.size(); ++x) row[x][component] += w * values[x];
-                };
-                for (std::size_t t = 0; t < b.size(); ++t) add(residual.brightness[t], b[t], 0);
-                for (std::size_t t = 0; t < c.size(); ++t) {
-                    add(residual.colour[2 * t], c[t], 1);
-                    add(residual.colour[2 * t + 1], c[t], 2);
-                }
-                for (int x = 0; x < width; ++x) {
+                const Between row(y, k, blocks.height());
+                for (int x = 0; x < picture.width(); ++x) {
+                    if (k > 1 && !(dry.confidence(x, y) > 0)) continue;
                     const Incidence in = incidence(light, dry.point_mm(x, y), dry.photography.rig);
-                    const Rgb value = colour_frame(dry.diffuse(x, y)) * row[static_cast<std::size_t>(x)];
+                    const Rgb value = colour_frame(dry.diffuse(x, y)) *
+                                      value_at(blocks, Between(x, k, blocks.width()), row);
                     picture(x, y) += (bare.empty() ? 1.0f : bare(x, y)) * in.irradiance * value;
                 }
             }
         });
     }
     for (Rgb& value : picture.pixels()) value = glm::max(value, Rgb(0));
+}
+
+std::size_t bytes_of(const RelightingResidual& residual) {
+    if (residual.empty()) return 0;
+    return (residual.brightness.size() + residual.colour.size()) * residual.brightness.front().size() * 2;
 }
 
 PartToWrite part_of(const RelightingResidual& residual) {
@@ -176,8 +220,7 @@ RelightingResidual read_model(const std::filesystem::path& path, const PartInfo&
     const auto text = [&](const std::string& name) {
         const auto attribute = part.attributes.find(name);
         if (attribute == part.attributes.end())
-            fail("{}: part '{}' has no attribute '{}'; fit again with --residual", path.string(), kPart,
-                 name);
+            fail("{}: part '{}' has no attribute '{}'; fit again", path.string(), kPart, name);
         return attribute->second;
     };
     RelightingResidual r;
@@ -186,8 +229,7 @@ RelightingResidual read_model(const std::filesystem::path& path, const PartInfo&
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {
-        fail("{}: part '{}', attribute 'model': {}; fit again with --residual", path.string(), kPart,
-             why_wrong_field(error));
+        fail("{}: part '{}', attribute 'model': {}; fit again", path.string(), kPart, why_wrong_field(error));
     }
     r.dry_hash = text("dry_hash");
     return r;
@@ -195,12 +237,13 @@ RelightingResidual read_model(const std::filesystem::path& path, const PartInfo&
 
 void require_residual_of(const Surface& dry, const std::filesystem::path& path, const PartInfo& part,
                          const RelightingResidual& r) {
-    if (part.width != dry.width() || part.height != dry.height())
-        fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), kPart, part.width,
-             part.height, dry.width(), dry.height());
+    if (part.width != blocks_of(dry.width(), r.reduction) ||
+        part.height != blocks_of(dry.height(), r.reduction))
+        fail("{}: part '{}' is {} x {}, but the painting is {} x {}, in blocks of {} pixels", path.string(),
+             kPart, part.width, part.height, dry.width(), dry.height(), r.reduction);
     if (r.dry_hash != hash_of(dry))
-        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again with --residual", path.string(),
-             kPart, r.dry_hash);
+        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again", path.string(), kPart,
+             r.dry_hash);
 }
 
 // Rows of a map as the file has them.
@@ -232,10 +275,10 @@ RelightingResidual read_residual(const std::filesystem::path& path, const Surfac
     r.brightness.resize(r.brightness_weights.size());
     r.colour.resize(2 * r.colour_weights.size());
     if (r.empty() || channels_of(r) != found->channels)
-        fail("{}: part '{}' does not have the channels that its model names; fit again with --residual",
-             path.string(), kPart);
+        fail("{}: part '{}' does not have the channels that its model names; fit again", path.string(),
+             kPart);
     for (auto* maps : {&r.brightness, &r.colour})
-        for (Image<float>& map : *maps) map = Image<float>(dry.width(), dry.height());
+        for (Image<float>& map : *maps) map = Image<float>(found->width, found->height);
     read_painting_part(
         path, *found,
         [&](int y0, int y1, std::span<const float* const> planes) {

@@ -6,7 +6,7 @@
 //     b_t(l) = sum over photographs i of weights[t][i] k(|l - l_i|)
 // with u the unit vector along the pixel's rho_d and e1, e2 across it: what is left over mostly has the
 // colour of the paint. It fades to nothing away from the lights that were photographed, and is 0 where
-// nothing was measured.
+// nothing was measured. Of a large painting it is that of blocks of pixels, interpolated between them.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +31,8 @@ struct RelightingResidual {
     double light_radius_deg = 0.25;  // [deg] of the cast shadows that the residual was taken from
     std::vector<Vec3> directions;    // [unit vector] of the photographs
     Weights brightness_weights, colour_weights;
-    std::vector<Image<float>> brightness;  // [1] B_t
+    int reduction = 1;                     // [pixels] of the painting, a side of a block
+    std::vector<Image<float>> brightness;  // [1] B_t, of each block
     std::vector<Image<float>> colour;      // [1] S_0, T_0, S_1, T_1, ...
     std::string dry_hash;                  // of the dry layer that it belongs to
 
@@ -52,6 +53,9 @@ glm::mat3 colour_frame(const Rgb& diffuse);
 // where not empty, is the part of each pixel, 0..1, that no paint covers. No value becomes less than 0.
 void add_residual(const RelightingResidual& residual, const Surface& dry, std::span<const Light> lights,
                   const Image<float>& bare, Image<Rgb>& picture);
+
+// [bytes] That its coefficients take in a painting file, before it is compressed.
+std::size_t bytes_of(const RelightingResidual& residual);
 
 // The part `residual`, to write with write_painting(): it refers to the residual. Half floats.
 PartToWrite part_of(const RelightingResidual& residual);

@@ -99,6 +99,7 @@ TEST(ResidualFit, NoiseIsNoResidual) {
     const ResidualFit fit = fit_residual(scene.surface, scene.stack, {.residual_samples = 200});
     EXPECT_FALSE(fit.report.used);
     EXPECT_TRUE(fit.residual.empty());
+    EXPECT_THAT(fit.report.why, HasSubstr("no better than the surface"));
 }
 
 // Residuals that change within the step between lights: validation photographs tell hardly anything of them,
@@ -135,12 +136,15 @@ TEST(ResidualFit, OfKernelsThatGainAsMuchTheMostCarefulOneIsTaken) {
     EXPECT_GE(choice.ridge, 0.3);
 }
 
-TEST(ResidualFit, FewPhotographsAndOtherSizesAreErrors) {
+TEST(ResidualFit, FewPhotographsHaveNoneAndOtherSizesAreErrors) {
     Scene scene(smooth_extra);
     Stack few = scene.stack;
     few.photos.resize(7);
-    EXPECT_THAT(error_of([&] { fit_residual(scene.surface, few); }),
-                testing::AllOf(HasSubstr("7 photographs are too few"), HasSubstr("without --residual")));
+    const ResidualFit none = fit_residual(scene.surface, few);
+    EXPECT_FALSE(none.report.used);
+    EXPECT_TRUE(none.residual.empty());
+    EXPECT_THAT(none.report.why, HasSubstr("7 photographs are too few"));
+    EXPECT_EQ(to_json(none.report)["used"], false);
     const Surface small(8, 8);
     EXPECT_THAT(error_of([&] { fit_residual(small, scene.stack); }), HasSubstr("the painting is 8 x 8"));
     EXPECT_THROW(fit_residual(scene.surface, scene.stack, {}, [](auto, double) { return false; }), Cancelled);

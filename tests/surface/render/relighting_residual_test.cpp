@@ -48,7 +48,7 @@ Image<Rgb> added(const RelightingResidual& r, const Surface& dry, const std::vec
     return picture;
 }
 
-TEST(Faithful, ColourFramesAreOrthonormalAlongTheColour) {
+TEST(RelightingResidual, ColourFramesAreOrthonormalAlongTheColour) {
     for (const Rgb& colour : {Rgb(0), Rgb(1, 0, 0), Rgb(0, 1, 0), Rgb(0, 0, 1), Rgb(0.2f, 0.5f, 0.9f)}) {
         const glm::mat3 frame = colour_frame(colour), product = glm::transpose(frame) * frame;
         for (int i = 0; i < 3; ++i)
@@ -57,7 +57,7 @@ TEST(Faithful, ColourFramesAreOrthonormalAlongTheColour) {
     }
 }
 
-TEST(Faithful, AddsWhatTheFormulaSays) {
+TEST(RelightingResidual, AddsWhatTheFormulaSays) {
     const Surface dry = example_surface();
     const RelightingResidual r = example_residual(dry);
     Light light = distant_light({0.3f, 0.1f, 0.9f});
@@ -78,7 +78,7 @@ TEST(Faithful, AddsWhatTheFormulaSays) {
     }
 }
 
-TEST(Faithful, LightsAddUpPaintHidesItAndItFadesAwayFromThePhotographs) {
+TEST(RelightingResidual, LightsAddUpPaintHidesItAndItFadesAwayFromThePhotographs) {
     const Surface dry = example_surface();
     const RelightingResidual r = example_residual(dry);
     const Light a = distant_light({0.3f, 0.1f, 0.9f}), b = distant_light({-0.2f, -0.4f, 0.9f});
@@ -98,7 +98,39 @@ TEST(Faithful, LightsAddUpPaintHidesItAndItFadesAwayFromThePhotographs) {
     for (const Rgb& value : clamped.pixels()) EXPECT_GE(std::min({value.r, value.g, value.b}), 0);
 }
 
-TEST(Faithful, PartsComeBackAndBelongToOneDryLayer) {
+// Between the middles of two blocks it is between their values, and beyond the outermost ones the same.
+TEST(RelightingResidual, OfBlocksIsInterpolatedBetweenThem) {
+    Surface dry(6, 5);
+    for (std::size_t i = 0; i < dry.diffuse.size(); ++i) {
+        dry.diffuse.pixels()[i] = Rgb(0.5f);
+        dry.confidence.pixels()[i] = 1;
+    }
+    dry.confidence(5, 0) = 0;
+    RelightingResidual r = example_residual(dry);
+    r.reduction = 3;
+    for (auto* maps : {&r.brightness, &r.colour})
+        for (Image<float>& map : *maps) map = Image<float>(2, 2, 0.0f);
+    r.brightness[0](1, 0) = r.brightness[0](1, 1) = 0.3f;
+    Image<Rgb> picture(6, 5, Rgb(0));
+    add_residual(r, dry, {{distant_light({0, 0, 1})}}, {}, picture);
+    for (int y = 1; y < 5; ++y) {
+        for (const int x : {0, 1}) EXPECT_EQ(picture(x, y).r, 0);
+        EXPECT_NEAR(picture(2, y).r, picture(4, y).r / 3, 1e-6);
+        EXPECT_NEAR(picture(3, y).r, picture(4, y).r * 2 / 3, 1e-6);
+        EXPECT_EQ(picture(5, y).r, picture(4, y).r);
+    }
+    EXPECT_GT(picture(4, 2).r, 0.01f);
+    EXPECT_EQ(picture(5, 0).r, 0) << "was not measured";
+
+    const TestDir dir;
+    AtomicFile file(dir / "a.exr");
+    write_painting(file, dry, std::array{part_of(r)});
+    const RelightingResidual back = read_residual(dir / "a.exr", dry);
+    EXPECT_EQ(back.reduction, 3);
+    EXPECT_TRUE(images_near(back.brightness[0], r.brightness[0], 0.2 / 2048));
+}
+
+TEST(RelightingResidual, PartsComeBackAndBelongToOneDryLayer) {
     const TestDir dir;
     const Surface dry = example_surface();
     const RelightingResidual r = example_residual(dry);

@@ -210,11 +210,11 @@ TEST(CliExport, WhatMakesNoSenseIsRefused) {
                       1, {"none.png: no such file"}));
     EXPECT_TRUE(
         ended(run({"relight", stack.truth(), "--residual", "--light", "0,0,1", "--out", stack.out("a.png")}),
-              1, {"has no part 'residual'", "fit --residual"}));
+              1, {"has no part 'residual'", "without --no-residual"}));
     EXPECT_TRUE(leftovers_in(stack.root()).empty());
 }
 
-TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
+TEST(CliResidual, IsFittedRelitAndComparedWithoutBeingAskedFor) {
     const TinyStack stack([](GeneratorOptions& o) { o.lights = 24; });
     // Further light in every photograph, smooth over its direction, that no surface under one light explains.
     for (int i = 0; i < 24; ++i) {
@@ -226,10 +226,11 @@ TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
                                             std::cos(0.9f * static_cast<float>(y)) * l.x * l.y));
         write_picture(stack.photo(i), photo, Transfer{});
     }
-    const Finished fit = tangipaint({"fit", stack.path(), "--residual", "--transfer", "linear", "--register",
-                                     "off", "--lights-as-given", "--out", stack.out("a.exr")});
+    const Finished fit = tangipaint({"fit", stack.path(), "--transfer", "linear", "--register", "off",
+                                     "--lights-as-given", "--out", stack.out("a.exr")});
     ASSERT_TRUE(fit.code == 0 || fit.code == 3) << fit.err;
     ASSERT_EQ(fit.json()["residual"]["used"], true) << fit.out;
+    EXPECT_GT(fit.json()["residual"]["bytes"], 0);
     const Finished compare = tangipaint(
         {"compare", stack.out("a.exr"), stack.path(), "--transfer", "linear", "--out", stack.out("report")});
     ASSERT_TRUE(compare.code == 0 || compare.code == 3) << compare.err;
@@ -243,10 +244,21 @@ TEST(CliFaithful, IsFittedRelitComparedAndKeptUnderPaint) {
         EXPECT_TRUE(ended(tangipaint(words), 0));
         return read_picture(stack.out("r.exr"));
     };
-    EXPECT_FALSE(images_near(relit("a.exr", {"--residual"}), relit("a.exr", {}), 1e-3));
+    const Image<Rgb> whole = relit("a.exr", {}), surface = relit("a.exr", {"--no-residual"});
+    EXPECT_FALSE(images_near(whole, surface, 1e-3));
+    EXPECT_TRUE(images_identical(relit("a.exr", {"--residual"}), whole));
+    // Of what it was not fitted with, it is none.
+    EXPECT_TRUE(images_identical(relit("a.exr", {"--no-cast-shadows"}),
+                                 relit("a.exr", {"--no-cast-shadows", "--no-residual"})));
     EXPECT_TRUE(ended(tangipaint({"relight", stack.out("a.exr"), "--residual", "--no-cast-shadows", "--light",
                                   "0,0,1", "--out", stack.out("x.png")}),
                       2, {"--residual", "--cast-shadows"}));
+    const Finished without =
+        tangipaint({"fit", stack.path(), "--no-residual", "--transfer", "linear", "--register", "off",
+                    "--lights-as-given", "--out", stack.out("b.exr")});
+    ASSERT_TRUE(without.code == 0 || without.code == 3) << without.err;
+    EXPECT_FALSE(without.json().contains("residual"));
+    EXPECT_TRUE(images_identical(relit("b.exr", {}), surface));
 }
 
 }  // namespace

@@ -277,7 +277,7 @@ TEST(CliRelight, WhatCannotBeWrittenIsSaidAndNothingIsLeft) {
                       2, {"--encoding log", "[0.2, 5]"}));
 }
 
-TEST(CliRelight, FaithfulOfAFitThatFoundNothingIsWardsPicture) {
+TEST(CliRelight, AResidualThatGainsNothingIsNotStoredAndThePictureIsTheSurfaces) {
     const TinyStack stack;
     const auto relit = [&](const std::string& painting, bool with_residual, const std::string& name) {
         std::vector<std::string> words = {"relight",     painting, "--light",
@@ -294,14 +294,10 @@ TEST(CliRelight, FaithfulOfAFitThatFoundNothingIsWardsPicture) {
     ASSERT_TRUE(fit.code == 0 || fit.code == 3) << fit.err;
     ASSERT_EQ(fit.json()["residual"]["used"], false) << fit.out;
     const Finished run = relit(tried, true, "a.png");
-    ASSERT_TRUE(ended(run, 0, {"fit --residual found none"}));
+    ASSERT_TRUE(ended(run, 0, {"the fit found none"}));
     EXPECT_EQ(run.json()["warnings"].size(), 1u);
     ASSERT_TRUE(ended(relit(tried, false, "b.png"), 0));
     EXPECT_EQ(bytes_of(stack.out("a.png")), bytes_of(stack.out("b.png")));
-    const Finished compare =
-        tangipaint({"compare", tried, stack.path(), "--transfer", "linear", "--out", stack.out("report")});
-    ASSERT_TRUE(compare.code == 0 || compare.code == 3) << compare.err;
-    EXPECT_NE(compare.err.find("fit --residual found no residual"), std::string::npos) << compare.err;
 }
 
 TEST(CliRelight, ALightWhoseHeightIsLostIsRefused) {
