@@ -47,7 +47,7 @@ struct ResidualOptions {
 struct ResidualReport {
     bool used = false;  // false: there is no residual, for this reason:
     std::string why;    // empty where it is used
-    int reduction = 1;  // [pixels] a side of its blocks; the figures below are of blocks' means
+    int reduction = 1;  // [pixels] a side of its blocks
     RelightingResidual::Kernel kernel = RelightingResidual::Kernel::gaussian;
     double reach = 0, ridge = 0;  // [1]
     double surface_db = 0;        // [dB] mean PSNR of the fitted photographs' samples, surface alone

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "surface/base/parallel.h"
+#include "surface/base/symmetric_matrix.h"
 
 namespace tangi::residual_kernel {
 
@@ -96,6 +97,29 @@ Choice choose_kernel(const Samples& s, const Colours& colours, const std::vector
     return *std::min_element(all.begin(), all.end(), [](const Choice& a, const Choice& b) {
         return std::tuple(-a.ridge, a.reach, -a.mean_db) < std::tuple(-b.ridge, b.reach, -b.mean_db);
     });
+}
+
+// [1] Of the energy that is predicted, by the terms that are kept.
+constexpr double kEnergyKept = 0.998;
+
+FewFunctions few_functions(const Matrix& kernel, const Matrix& inverse, const Eigen::VectorXd& irradiance,
+                           const Matrix& samples, int most) {
+    const Matrix predicted = irradiance.asDiagonal() * (kernel * (inverse * samples));
+    const SymmetricEigen found = symmetric_eigen(predicted * predicted.transpose());
+    const Eigen::VectorXd energy = found.values.cwiseMax(0).reverse();
+    double kept = 0;
+    int terms = 0;
+    while (terms < std::min<int>(most, static_cast<int>(energy.size())) && kept < kEnergyKept * energy.sum())
+        kept += energy[terms++];
+    Matrix components = found.vectors.rowwise().reverse().leftCols(terms);
+    for (Eigen::Index t = 0; t < components.cols(); ++t) {  // their sign is arbitrary
+        Eigen::Index largest = 0;
+        components.col(t).cwiseAbs().maxCoeff(&largest);
+        if (components(largest, t) < 0) components.col(t) *= -1;
+    }
+    const Matrix reached = inverse * (samples * predicted.transpose()) * components;
+    return {inverse * (kernel * (irradiance.asDiagonal() * components)),
+            reached * energy.head(terms).cwiseInverse().asDiagonal()};
 }
 
 }  // namespace tangi::residual_kernel

@@ -58,4 +58,15 @@ struct Choice {
 Choice choose_kernel(const Samples& samples, const Colours& colours, const std::vector<Vec3>& directions,
                      const Progress& progress);
 
+// Few functions of the light's direction in place of what the regression of residuals x says: it predicts
+// k(l)^T inverse x, which coefficients^T x and functions^T k(l) stand for.
+struct FewFunctions {
+    Matrix coefficients, functions;  // [photograph][term]
+};
+
+// By the principal components of what it predicts at the photographs, as bright as it is there: M = D K
+// inverse X, of samples X, is about U U^T M.
+FewFunctions few_functions(const Matrix& kernel, const Matrix& inverse, const Eigen::VectorXd& irradiance,
+                           const Matrix& samples, int most);
+
 }  // namespace tangi::residual_kernel
