@@ -6,12 +6,15 @@ set(TP_LONG_FILES
     capture/registration/registration_data_test.cpp
     capture/spheres/sphere_data_test.cpp
     fit/calibration/light_beams_test.cpp
+    fit/calibration/light_calibration_test.cpp
     fit/calibration/light_directions_test.cpp
     fit/calibration/light_pixels_test.cpp
+    fit/light_checks/photo_misfit_test.cpp
     fit/material/anisotropy_estimate_test.cpp
     fit/pipeline/data_test.cpp
     fit/pipeline/spheres_test.cpp
     programs/cli/stacks/large_stacks_test.cpp
+    programs/cli/stacks/stack_sizes_test.cpp
     robustness/further_faults_test.cpp)
 
 # With the sanitizers tests compile in less than half the time without optimisation. What they share with the rooms,
@@ -62,7 +65,8 @@ function(tangi_register program file)
     file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR}/${file})
     string(REGEX REPLACE "_test.cpp$" "" entry "${path}")
     set(length "")
-    if(path IN_LIST TP_LONG_FILES)
+    # The sanitizers have the plain tests of a file that marks its long ones.
+    if(path IN_LIST TP_LONG_FILES AND NOT (TP_SANITIZE AND ${file}_long))
         set(length long)
     endif()
     set(filter "${${file}_plain}${${file}_long}")
