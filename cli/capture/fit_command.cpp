@@ -25,7 +25,7 @@ namespace {
 
 struct FitArguments {
     PhotosArguments photos;
-    std::string out, report, solver = "batch";
+    std::string out, report, solver = "batch", shape = "flat";
     FitOptions options;
     std::optional<bool> with_residual;  // where not said, if it predicts better
     ResidualOptions residual_options;
@@ -49,6 +49,7 @@ nlohmann::json provenance_of(const FitArguments& arguments, const Stack& stack,
     options["ward"] = to_json(arguments.options.ward);
     options["height"] = to_json(arguments.options.height);
     options["solver"] = arguments.solver;
+    options["shape"] = arguments.shape;
     if (arguments.looks_for_residual()) options["residual"] = to_json(arguments.residual_options);
     options["photos"] = arguments.photos.as_json();
     return {{"program", "tangipaint " TP_VERSION},
@@ -102,6 +103,7 @@ void doubt_scale(const std::optional<double>& mm_per_pixel, UsableStack& opened)
 FitOptions options_of(const FitArguments& arguments) {
     FitOptions options = arguments.options;
     options.solver = arguments.solver == "ceres" ? Solver::ceres : Solver::batch;
+    options.calibration.flat = arguments.shape == "flat";
     options.register_photos = arguments.photos.registration != "off";
     return options;
 }
@@ -211,6 +213,13 @@ Command fit_command() {
                             "batch: many pixels at once, checked and polished by Ceres; ceres: Ceres alone, "
                             "some fifty times slower a pixel")
                     .check(one_of({"batch", "ceres"}));
+                flags
+                    .option(
+                        "--shape", arguments->shape,
+                        "flat: the object is, as a whole, as a painting is, which tells lights apart from "
+                        "slopes; relief: it is round, bulges or is all slopes (a vessel, a carving, a "
+                        "statue), and the photographs alone say how")
+                    .check(one_of({"flat", "relief"}));
                 flags.fields(arguments->options);
                 flags.fields(arguments->options.calibration);
                 flags.fields(arguments->options.ward);

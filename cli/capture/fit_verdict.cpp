@@ -131,6 +131,10 @@ std::vector<std::string> poor_reasons(const FitReport& report, const UsableStack
     if (!report.turned_doubt.empty()) reasons.push_back(report.turned_doubt);
     if (!report.transfer.doubt.empty()) reasons.push_back(report.transfer.doubt);
     doubt_lights(report, opened.stack, axes, reasons);
+    if (report.lights.bent_most)
+        reasons.push_back(
+            "the object was taken to be flat as a whole, and the lights' directions had to turn across the "
+            "picture for that by as much as they may: if it is round or bulges, fit with --shape relief");
     if (report.sharpening.found()) reasons.push_back(says_sharpened(report.sharpening));
     for (std::string& cause : doubts_of(report.photo_misfits, report.photo_names))
         reasons.push_back(std::move(cause));

@@ -26,6 +26,9 @@ enum class DirectionFreedom {
     measured,
 };
 
+// [1/width] Of RigParameters::bend, either way.
+constexpr double kMostBend = 0.5;
+
 // What the problem may move.
 struct JointFreedom {
     bool rig = true;    // else it stays as it is given
@@ -66,6 +69,9 @@ struct LightBundleAdjustment {
         nearer;  // [1] of each light: how many times nearer than rig.light_inverse_distance says
     bool lights_known = false;  // their nearness is as given, and nothing bends
     bool camera_known = false;  // its nearness is as given
+    // The object is flat as a whole: slopes are around 0. Else nothing is said of them, and what bends the
+    // rig must be shown.
+    bool flat = true;
     glm::dvec2 camera_axis{0};  // above which the camera is
 
     // [rad] Standard error of each direction as listed, of either component; 0: it stays. Of use where

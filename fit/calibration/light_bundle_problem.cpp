@@ -21,6 +21,7 @@ constexpr double kBeamSigma = 0.3;     // [1] ln irradiance at the border, of a 
 constexpr double kNoTurn = 0.001;      // [rad] what stands for none of its own
 constexpr double kSurest = 1e-4;       // [rad] of a direction that was measured
 constexpr double kCameraSigma = 0.5;   // [1/width]
+constexpr double kBendSigma = 0.05;    // [1/width] of a rig over an object that is not flat
 constexpr double kRoughSigma = 0.3;    // [1] of diffuse roughness, from 0
 constexpr double kHeightSigma = 0.02;  // [width] of the surface above where directions are from
 
@@ -53,7 +54,7 @@ LightBundleProblem::LightBundleProblem(const LightBundleAdjustment& joint, const
                     joint.rig.bend, joint.rig.roughness, joint.rig.height});
     values_.resize(values_.size() + field_size());
     add_observations(joint);
-    add_pixels();
+    add_pixels(joint.flat);
     add_gains(joint);
     add_turns(joint);
     add_beams();
@@ -89,12 +90,12 @@ void LightBundleProblem::add_observations(const LightBundleAdjustment& joint) {
     }
 }
 
-void LightBundleProblem::add_pixels() {
-    auto* flat = new ceres::CauchyLoss(1);
+void LightBundleProblem::add_pixels(bool flat_as_a_whole) {
+    auto* flat = flat_as_a_whole ? new ceres::CauchyLoss(1) : nullptr;
     for (std::size_t i = 0; i < pixels_; ++i) {
         double* block = pixel(i);
         problem_.AddResidualBlock(cost<2, kPixel>(LobePrior{}), nullptr, block);
-        problem_.AddResidualBlock(cost<2, kPixel>(FlatnessPrior{}), flat, block);
+        if (flat_as_a_whole) problem_.AddResidualBlock(cost<2, kPixel>(FlatnessPrior{}), flat, block);
         problem_.SetParameterLowerBound(block, 2, std::log(0.03));
         problem_.SetParameterUpperBound(block, 2, std::log(0.7));
         problem_.SetParameterLowerBound(block, 3, 0);
@@ -182,11 +183,12 @@ double LightBundleProblem::field_weight(const LightBundleAdjustment& joint) cons
 
 void LightBundleProblem::add_rig(const LightBundleAdjustment& joint) {
     const double rough = measured() ? kKnownWeight / kRoughSigma : 0;
+    const double bend = joint.flat ? 0 : prior_weight_ / kBendSigma;
     problem_.AddResidualBlock(
-        cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, 0, rough, 1 / kHeightSigma}}), nullptr,
+        cost<kRig, kRig>(Weighted<kRig>{{0, 0, 1 / kCameraSigma, bend, rough, 1 / kHeightSigma}}), nullptr,
         rig());
     const std::array<std::array<double, 2>, kRig> bounds = {
-        {{0, 1.2}, {0, 0.6}, {0, 1.2}, {-0.5, 0.5}, {0, 1}, {-0.2, 0.2}}};
+        {{0, 1.2}, {0, 0.6}, {0, 1.2}, {-kMostBend, kMostBend}, {0, 1}, {-0.2, 0.2}}};
     for (int i = 0; i < kRig; ++i) {
         const bool known = i == 2 ? joint.camera_known : (i == 0 || i == 3 || i == 5) && joint.lights_known;
         if (known) continue;  // may lie outside, and stays

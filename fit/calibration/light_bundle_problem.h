@@ -53,7 +53,7 @@ public:
 
 private:
     void add_observations(const LightBundleAdjustment& joint);
-    void add_pixels();
+    void add_pixels(bool flat);
     void add_gains(const LightBundleAdjustment& joint);
     void add_turns(const LightBundleAdjustment& joint);
     void add_beams();

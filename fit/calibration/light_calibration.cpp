@@ -104,7 +104,7 @@ ModelSearch::ModelSearch(const SurveyedStack& surveyed, const Lighting& given, c
       gains_(photos() >= options.fewest_photos),
       refined_(few_ ? std::nullopt : refined_directions(given, options.refine_directions)),
       out_(few_ ? LeftOutPhotos{photos(), photos()} : kHalfOfThem),
-      sample_(surveyed, ward, options.samples) {}
+      sample_(surveyed, ward, options.samples, options.flat) {}
 
 void ModelSearch::attempt(const std::vector<LightingModel>& models,
                           const std::optional<LightBundleAdjustment>& from) {
@@ -160,7 +160,7 @@ void ModelSearch::try_beams() {
 void ModelSearch::solve_finer() {
     TriedModel& chosen = tried_[best_];
     if (!chosen.solution) return;
-    const LightSample fine(surveyed_, ward_, kFiner * options_.samples);
+    const LightSample fine(surveyed_, ward_, kFiner * options_.samples, options_.flat);
     if (fine.size() > sample_.size())
         chosen.solution = solved_finer(fine, *chosen.solution, given_, chosen.trial.model);
 }

@@ -52,7 +52,8 @@ struct LightCalibrationOptions {
     // are, ambient light; with fewer than five nothing is
     int fewest_photos = 6;
     bool refine_directions =
-        false;  // each light's direction is corrected, whatever validation photographs say
+        false;         // each light's direction is corrected, whatever validation photographs say
+    bool flat = true;  // the object is, as a whole ("bulge" above); else its shape is what photographs say
 
     static constexpr std::string_view name = "light_calibration";
     template <class Self, class Visit>
@@ -72,6 +73,7 @@ struct LightCalibrationOptions {
 };
 
 struct LightCalibration {
+    bool bent_most = false;  // Rig::bend_per_mm is as large as is allowed: the object is hardly flat
     struct Trial {
         LightingModel model;
         double cv_psnr_db = 0;          // [dB] mean PSNR of photographs left out in turn, on the sample

@@ -57,7 +57,9 @@ void apply_directions(const LightBundleAdjustment& joint, LightCalibration& resu
 // The lighting that a solved joint problem means.
 LightCalibration calibration_of(const LightSample& sample, const LightBundleAdjustment& joint,
                                 const Lighting& given, const LightingModel& model) {
-    LightCalibration result{.lighting = given, .model = model};
+    LightCalibration result;
+    result.lighting = given;
+    result.model = model;
     Rig& rig = result.lighting.rig;
     const auto distance = [&](double inverse_distance) {
         return inverse_distance > kFar
@@ -71,6 +73,7 @@ LightCalibration calibration_of(const LightSample& sample, const LightBundleAdju
             if (rig.light_distance_mm)
                 rig.surface_above_mm = static_cast<float>(joint.rig.height * sample.width_mm());
             rig.bend_per_mm = static_cast<float>(joint.rig.bend / sample.width_mm());
+            result.bent_most = std::abs(joint.rig.bend) > 0.98 * kMostBend;
         }
         if (!joint.camera_known) rig.camera_distance_mm = distance(joint.rig.camera_inverse_distance);
     }

@@ -82,8 +82,12 @@ float bright_stored(const Survey& survey) {
     return *at;
 }
 
-LightSample::LightSample(const SurveyedStack& surveyed, const WardFitOptions& ward, int wanted)
-    : survey_(surveyed.survey), transfer_(surveyed.transfer), noise_(surveyed.noise), ward_(ward) {
+LightSample::LightSample(const SurveyedStack& surveyed, const WardFitOptions& ward, int wanted, bool flat)
+    : survey_(surveyed.survey),
+      transfer_(surveyed.transfer),
+      noise_(surveyed.noise),
+      ward_(ward),
+      flat_(flat) {
     const auto& [stack, survey, transfer, noise, mm_per_pixel] = surveyed;
     width_mm_ = std::max(stack.width(), stack.height()) * mm_per_pixel;
     chosen_ = survey.spread(wanted);

@@ -30,8 +30,9 @@ struct SurveyedStack {
 
 class LightSample {
 public:
-    // About `wanted` pixels of the survey. Keeps references to survey and noise.
-    LightSample(const SurveyedStack& surveyed, const WardFitOptions& ward, int wanted);
+    // About `wanted` pixels of the survey. `flat`: LightBundleAdjustment::flat. Keeps references to survey
+    // and noise.
+    LightSample(const SurveyedStack& surveyed, const WardFitOptions& ward, int wanted, bool flat = true);
 
     // The same pixels, of which lobes are taken to be as wide as this before any photograph.
     LightSample with_ln_alpha(double ln_alpha) const;
@@ -118,6 +119,7 @@ private:
     WardFitOptions ward_;
     double width_mm_ = 1;
     double bright_ = 1;
+    bool flat_;
     std::vector<int> chosen_;  // of the survey's samples
     std::vector<bool> others_;
     std::vector<Vec3> points_mm_;

@@ -158,6 +158,7 @@ void LightSample::describe(const Lighting& lighting, LightBundleAdjustment& join
     joint.lights_known = !lighting.lights.empty() &&
                          std::all_of(lighting.lights.begin(), lighting.lights.end(),
                                      [](const Light& light) { return light.position_mm.has_value(); });
+    joint.flat = flat_;
     for (const Light& light : lighting.lights) {
         joint.directions.emplace_back(light.direction);
         joint.nearer.push_back(joint.lights_known ? width_mm_ / glm::length(*light.position_mm) : 1);
