@@ -256,7 +256,7 @@ FitResult seeded_fit_of(const Surface& truth, const FitOptions& options, unsigne
     return fit_painting(open_stack(folder.path(), {.transfer = Transfer{}}), given);
 }
 
-TEST(FitPainting, TurnedPhotographsOfBrushedMetalGiveTurnedMaps) {
+TP_LONG TEST(FitPainting, TurnedPhotographsOfBrushedMetalGiveTurnedMaps) {
     Surface truth = half_brushed({0.4f, 0.3f});
     const FitOptions options{.anisotropic_specular = 1, .refine = false};
     const Surface as_it_is = seeded_fit_of(truth, options).surface,
