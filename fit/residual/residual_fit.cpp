@@ -2,9 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "capture/stack/reduced_photos.h"
 #include "fit/residual/photo_residuals.h"

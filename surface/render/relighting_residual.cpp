@@ -59,8 +59,9 @@ RelightingResidual from_model(const json& model) {
     r.light_radius_deg = model.at("light_radius_deg").get<double>();
     if (!(r.reach > 0) || !(r.light_radius_deg >= 0 && r.light_radius_deg <= 45))
         throw std::runtime_error("reach or light_radius_deg is out of range");
-    r.reduction = model.value("reduction", 1);  // files of version 0.1 know no blocks
-    if (r.reduction < 1) throw std::runtime_error("reduction is out of range");
+    const double reduction = model.value("reduction", 1.0);  // files of version 0.1 know no blocks
+    if (!(reduction >= 1 && reduction <= 65535)) throw std::runtime_error("reduction is out of range");
+    r.reduction = static_cast<int>(reduction);
     for (const json& d : model.at("directions"))
         r.directions.push_back(Vec3(d.at(0).get<float>(), d.at(1).get<float>(), d.at(2).get<float>()));
     r.brightness_weights = model.at("brightness").get<RelightingResidual::Weights>();
@@ -166,7 +167,7 @@ void add_residual(const RelightingResidual& residual, const Surface& dry, std::s
             for (int y = begin; y < end; ++y) {
                 const Between row(y, k, blocks.height());
                 for (int x = 0; x < picture.width(); ++x) {
-                    if (k > 1 && !(dry.confidence(x, y) > 0)) continue;
+                    if (!(dry.confidence(x, y) > 0)) continue;
                     const Incidence in = incidence(light, dry.point_mm(x, y), dry.photography.rig);
                     const Rgb value = colour_frame(dry.diffuse(x, y)) *
                                       value_at(blocks, Between(x, k, blocks.width()), row);
@@ -220,7 +221,8 @@ RelightingResidual read_model(const std::filesystem::path& path, const PartInfo&
     const auto text = [&](const std::string& name) {
         const auto attribute = part.attributes.find(name);
         if (attribute == part.attributes.end())
-            fail("{}: part '{}' has no attribute '{}'; fit again", path.string(), kPart, name);
+            fail("{}: part '{}' has no attribute '{}'; fit again, or relight with --no-residual",
+                 path.string(), kPart, name);
         return attribute->second;
     };
     RelightingResidual r;
@@ -229,7 +231,8 @@ RelightingResidual read_model(const std::filesystem::path& path, const PartInfo&
     } catch (const Error&) {
         throw;
     } catch (const std::exception& error) {
-        fail("{}: part '{}', attribute 'model': {}; fit again", path.string(), kPart, why_wrong_field(error));
+        fail("{}: part '{}', attribute 'model': {}; fit again, or relight with --no-residual", path.string(),
+             kPart, why_wrong_field(error));
     }
     r.dry_hash = text("dry_hash");
     return r;
@@ -242,8 +245,8 @@ void require_residual_of(const Surface& dry, const std::filesystem::path& path, 
         fail("{}: part '{}' is {} x {}, but the painting is {} x {}, in blocks of {} pixels", path.string(),
              kPart, part.width, part.height, dry.width(), dry.height(), r.reduction);
     if (r.dry_hash != hash_of(dry))
-        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again", path.string(), kPart,
-             r.dry_hash);
+        fail("{}: part '{}' belongs to another dry layer (hash {}); fit again, or relight with --no-residual",
+             path.string(), kPart, r.dry_hash);
 }
 
 // Rows of a map as the file has them.
@@ -275,8 +278,10 @@ RelightingResidual read_residual(const std::filesystem::path& path, const Surfac
     r.brightness.resize(r.brightness_weights.size());
     r.colour.resize(2 * r.colour_weights.size());
     if (r.empty() || channels_of(r) != found->channels)
-        fail("{}: part '{}' does not have the channels that its model names; fit again", path.string(),
-             kPart);
+        fail(
+            "{}: part '{}' does not have the channels that its model names; fit again, or relight with "
+            "--no-residual",
+            path.string(), kPart);
     for (auto* maps : {&r.brightness, &r.colour})
         for (Image<float>& map : *maps) map = Image<float>(found->width, found->height);
     read_painting_part(

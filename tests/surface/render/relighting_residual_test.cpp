@@ -128,6 +128,17 @@ TEST(RelightingResidual, OfBlocksIsInterpolatedBetweenThem) {
     const RelightingResidual back = read_residual(dir / "a.exr", dry);
     EXPECT_EQ(back.reduction, 3);
     EXPECT_TRUE(images_near(back.brightness[0], r.brightness[0], 0.2 / 2048));
+    for (const char* wrong : {"0", "1e30", "2147483647", "\"3\""}) {
+        PartToWrite part = part_of(r);
+        std::string& model = part.info.attributes["model"];
+        const std::string right = "\"reduction\":3";
+        ASSERT_NE(model.find(right), std::string::npos) << model;
+        model.replace(model.find(right), right.size(), std::string("\"reduction\":") + wrong);
+        AtomicFile other(dir / "b.exr");
+        write_painting(other, dry, std::array{part});
+        EXPECT_THAT(error_of([&] { read_residual(dir / "b.exr", dry); }),
+                    testing::AllOf(HasSubstr("attribute 'model'"), HasSubstr("--no-residual")));
+    }
 }
 
 TEST(RelightingResidual, PartsComeBackAndBelongToOneDryLayer) {
