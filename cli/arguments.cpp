@@ -16,6 +16,10 @@
 #include "retouch/treatment/treatment_folder.h"
 #include "surface/base/blanks.h"
 #include "surface/base/error.h"
+#include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_output.h"
+#include "surface/painting_file/painting_tiles.h"
+#include "surface/provenance/provenance.h"
 
 namespace tangi {
 
@@ -248,20 +252,21 @@ LightAxes PhotosArguments::axes() const {
 }
 
 nlohmann::json PhotosArguments::as_json() const {
-    return {{"lights", lights},
+    const auto portable = [&](const std::string& file) { return portable_path(file, folder); };
+    return {{"lights", portable(lights)},
             {"lights_mm", lights_mm},
             {"light_axes", light_axes},
             {"light_rotation_deg", light_rotation_deg},
-            {"capture", capture},
+            {"capture", portable(capture)},
             {"transfer", transfer},
             {"crop", crop},
-            {"mask", mask},
+            {"mask", mask == kNoMask ? mask : portable(mask)},
             {"hold_out", hold_out},
             {"register", registration},
-            {"dark", develop.dark},
-            {"flat", develop.flat},
-            {"ambient", develop.ambient},
-            {"brackets", develop.brackets},
+            {"dark", portable(develop.dark)},
+            {"flat", portable(develop.flat)},
+            {"ambient", portable(develop.ambient)},
+            {"brackets", develop.brackets == "auto" ? develop.brackets : portable(develop.brackets)},
             {"raw_demosaic", develop.demosaic},
             {"raw_colour", develop.raw_colour}};
 }
@@ -276,10 +281,42 @@ void refuse_to_overwrite(const std::filesystem::path& output,
                          const std::vector<std::filesystem::path>& inputs, std::string_view flag) {
     refuse_in_treatment(output);
     std::error_code missing;  // what is not there cannot be lost
+    const auto lies_in = [&](const std::filesystem::path& folder) {
+        for (auto place = std::filesystem::absolute(output); place.has_relative_path();
+             place = place.parent_path())
+            if (std::filesystem::equivalent(place, folder, missing)) return true;
+        return false;
+    };
     for (const std::filesystem::path& input : inputs)
-        if (std::filesystem::equivalent(output, input, missing))
+        if (std::filesystem::equivalent(output, input, missing) ||
+            (is_tiled_painting(input) && lies_in(input)))
             fail("{} {}: would overwrite {}, from which it is made; choose another name or folder", flag,
                  output.string(), input.string());
+}
+
+namespace {
+
+[[noreturn]] void refuse_ending(std::string_view flag, const std::string& file, std::string_view what) {
+    throw UsageError(fmt::format("{} {}: {}; give it such an ending", flag, file, what));
+}
+
+}  // namespace
+
+void require_ending(const std::string& file, std::initializer_list<std::string_view> endings,
+                    std::string_view what, std::string_view flag) {
+    if (std::ranges::find(endings, lower_extension(file)) == endings.end()) refuse_ending(flag, file, what);
+}
+
+void require_painting_ending(const std::string& file, std::string_view flag) {
+    if (!names_painting(file)) refuse_ending(flag, file, "a painting is an .exr file, or a .tangi folder");
+}
+
+void require_picture_ending(const std::string& file, std::string_view flag) {
+    try {
+        require_picture_format(file);
+    } catch (const Error& error) {
+        throw UsageError(fmt::format("{} {}", flag, error.what()));
+    }
 }
 
 void refuse_typed(const std::vector<std::string>& typed, std::initializer_list<std::string_view> flags,

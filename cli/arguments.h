@@ -41,7 +41,7 @@ struct PhotosArguments {
     LightAxes axes() const;
     // The files that a command with these flags reads: photographs, lights, mask, frames, brackets.
     std::vector<std::filesystem::path> inputs(const Stack& stack) const;
-    // As they were given, for provenance.
+    // As they were given, for provenance; files relative to the folder.
     nlohmann::json as_json() const;
 
 private:
@@ -57,6 +57,13 @@ void refuse_in_treatment(const std::filesystem::path& output);
 // cannot be taken again; and where a treatment keeps it.
 void refuse_to_overwrite(const std::filesystem::path& output,
                          const std::vector<std::filesystem::path>& inputs, std::string_view flag = "--out");
+
+// Throw UsageError naming the flag where a file to write is called as no file of its kind is. `what` says
+// how they are: "a page is an .html file".
+void require_ending(const std::string& file, std::initializer_list<std::string_view> endings,
+                    std::string_view what, std::string_view flag = "--out");
+void require_painting_ending(const std::string& file, std::string_view flag = "--out");  // .exr, .tangi
+void require_picture_ending(const std::string& file, std::string_view flag = "--out");
 
 // Throws UsageError where one of `flags` is among those that were `typed`, with the reason: what is typed has
 // an effect or is refused, so that nobody takes a result for another one.

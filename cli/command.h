@@ -27,6 +27,16 @@ public:
     using Error::Error;
 };
 
+// Runs `call`, an Error of which is about what was typed.
+template <class Call>
+auto of_words(const Call& call) {
+    try {
+        return call();
+    } catch (const Error& error) {
+        throw UsageError(error.what());
+    }
+}
+
 // A command: adds its `flags` and gives what to run once they are parsed. The run returns the one JSON
 // result that goes to stdout; a list "poor" in it makes the exit code 3.
 struct Command {
@@ -39,6 +49,17 @@ struct Command {
 
 // The table of commands, in the order in which help lists them.
 const std::vector<Command>& commands();
+
+// How the program talks while it works: flags of every command.
+struct ConsoleOptions {
+    std::string progress = "auto";  // "auto", or "json": each line of stderr is one event, a JSON object
+    bool quiet = false;             // errors alone
+    std::string log;                // file that events are added to, each with its time
+};
+
+// To be called before anything is told. `words`: the command line, for the log. Throws Error naming the log:
+// it cannot be written, or holds something else.
+void set_console(const ConsoleOptions& options, const std::vector<std::string>& words);
 
 // Makes stdin, stdout and stderr safe to use, whatever they are. To be called before anything is opened.
 void prepare_streams();
@@ -61,8 +82,12 @@ std::string printable(std::string_view text);
 // Writes a warning to stderr, without disturbing the bar.
 void warn(const std::string& text);
 
-// The same of a line that is none.
+// The same of a line that is none, and of several lines for people, as they are.
 void tell(const std::string& text);
+void tell_lines(const std::string& text);
+
+// Why a command ends, also where it is quiet; into the log with its exit code.
+void tell_end(int code, const std::string& message, double seconds);
 
 // True where standard output is a terminal: a person reads what is written there, and not a program.
 bool stdout_is_terminal();

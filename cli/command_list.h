@@ -9,6 +9,7 @@ namespace tangi {
 
 Command calibrate_command();
 Command fit_command();
+Command mosaic_command();
 Command relight_command();
 Command compare_command();
 Command import_command();
@@ -26,5 +27,6 @@ Command damage_command();
 Command fill_command();
 Command varnish_command();
 Command treatment_command();
+Command archive_command();
 
 }  // namespace tangi

@@ -1,8 +1,9 @@
-// console.cpp: progress and warnings on stderr, and Ctrl-C.
+// console.cpp: progress, warnings and errors on stderr, for people or as events; the log; and Ctrl-C.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -10,12 +11,19 @@
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/message_length.h"
+#include "surface/base/error.h"
+#include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
+#include "surface/file/append_file.h"
+#include "surface/file/file_bytes.h"
+#include "surface/file/version.h"
 
 namespace tangi {
 
@@ -66,8 +74,39 @@ void keep_stderr_for_us() {
 #endif
 }
 
+// "2026-03-01T12:34:56Z"
+std::string time_now() {
+    const std::time_t seconds = std::time(nullptr);
+    std::tm utc{};
+    ::gmtime_r(&seconds, &utc);
+    std::array<char, 32> text{};
+    std::strftime(text.data(), text.size(), "%FT%TZ", &utc);
+    return text.data();
+}
+
+// A log may be added to; a photograph, or whatever else has that name, may not.
+void require_log(const std::string& path) {
+    constexpr std::uint64_t longest_line = 1 << 20;
+    std::error_code missing;
+    if (std::filesystem::exists(path, missing)) {
+        const std::string begins = FileBytes(path).bytes(0, longest_line);
+        const nlohmann::json first = json_or_discarded(begins.substr(0, begins.find('\n')));
+        if (!begins.empty() && !(first.is_object() && first.value("event", nlohmann::json()) == "start"))
+            fail("--log {}: is no log of this program, and would be added to; give another name", path);
+    }
+}
+
 class Console {
 public:
+    void set(const ConsoleOptions& options, const std::vector<std::string>& words) {
+        const std::lock_guard lock(mutex_);
+        is_json_ = options.progress == "json", is_quiet_ = options.quiet;
+        if (options.log.empty()) return;
+        require_log(options.log);
+        log_.emplace(options.log);
+        log({{"event", "start"}, {"version", version()}, {"arguments", words}});
+    }
+
     bool show(std::string_view stage, double fraction) {
         using namespace std::chrono;
         const std::lock_guard lock(mutex_);
@@ -78,7 +117,18 @@ public:
             stage_ = stage;
             started_ = now;
             shown_ = now;
+            log({{"event", "stage"}, {"stage", stage_}});
         }
+        if (is_json_) {
+            const bool is_due = new_stage || now - shown_ >= milliseconds(100);
+            if (!is_quiet_ && (is_due || (fraction >= 1 && last_fraction_ < 1))) {
+                write_event({{"event", "progress"}, {"stage", stage_}, {"fraction", fraction}});
+                shown_ = now;
+            }
+            last_fraction_ = fraction;
+            return !stop_wanted;
+        }
+        if (is_quiet_) return !stop_wanted;
         const auto pause = is_terminal_ ? milliseconds(100) : milliseconds(5000);
         if (fraction >= 1 || now - shown_ >= pause) {
             if (now - started_ >= (is_terminal_ ? milliseconds(300) : milliseconds(2000)))
@@ -88,15 +138,48 @@ public:
         return !stop_wanted;
     }
 
-    void say(const std::string& text) {
+    // `kind` of event; for people `lead` comes before the text.
+    void say(const char* kind, const char* lead, const std::string& text) {
         const std::lock_guard lock(mutex_);
         finish_line();
-        write_stderr(text + "\n");
+        log({{"event", kind}, {"text", text}});
+        if (is_quiet_) return;
+        if (is_json_)
+            write_event({{"event", kind}, {"text", text}});
+        else
+            write_stderr(lead + text + "\n");
+    }
+
+    void end(int code, const std::string& message, double seconds) {
+        const std::lock_guard lock(mutex_);
+        if (stop_wanted && is_terminal_) write_stderr("\n");  // behind ^C
+        finish_line();
+        nlohmann::json event = {{"event", "end"}, {"exit_code", code}, {"seconds", seconds}};
+        if (!message.empty()) event["text"] = message;
+        log(event);
+        if (is_json_ && !(is_quiet_ && message.empty()))
+            write_event(event);
+        else if (!is_json_ && !message.empty())
+            write_stderr(message + "\n");
     }
 
     ~Console() { finish_line(); }
 
 private:
+    static void write_event(const nlohmann::json& event) { write_stderr(json_line(event) + "\n"); }
+
+    // A log that cannot be written any more is no reason to lose the work.
+    void log(nlohmann::json event) {
+        if (!log_) return;
+        event["time"] = time_now();
+        try {
+            log_->append(json_line(event) + "\n");
+        } catch (const Error& error) {
+            log_.reset();
+            write_stderr(fmt::format("warning: the log ends here: {}\n", error.what()));
+        }
+    }
+
     void draw(double fraction, std::chrono::steady_clock::time_point now) {
         const double elapsed = std::chrono::duration<double>(now - started_).count();
         const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
@@ -122,7 +205,9 @@ private:
     std::mutex mutex_;
     std::string stage_;
     std::chrono::steady_clock::time_point started_, shown_;
-    bool line_open_ = false;
+    bool line_open_ = false, is_json_ = false, is_quiet_ = false;
+    double last_fraction_ = 0;
+    std::optional<AppendFile> log_;
     const bool is_terminal_ = ::isatty(own_stderr) != 0;
 };
 
@@ -162,11 +247,19 @@ Progress console_progress() {
 
 bool interrupted() { return stop_wanted; }
 
-void warn(const std::string& text) {
-    console().say("warning: " + printable(shortened(text, kMostOfMessage)));
+void set_console(const ConsoleOptions& options, const std::vector<std::string>& words) {
+    console().set(options, words);
 }
 
-void tell(const std::string& text) { console().say(printable(shortened(text, kMostOfMessage))); }
+void warn(const std::string& text) {
+    console().say("warning", "warning: ", printable(shortened(text, kMostOfMessage)));
+}
+
+void tell(const std::string& text) { console().say("note", "", printable(shortened(text, kMostOfMessage))); }
+
+void tell_lines(const std::string& text) { console().say("note", "", text); }
+
+void tell_end(int code, const std::string& message, double seconds) { console().end(code, message, seconds); }
 
 bool stdout_is_terminal() { return ::isatty(STDOUT_FILENO) != 0; }
 

@@ -49,11 +49,9 @@ FlagCheck positive() {
     };
 }
 
-FlagCheck one_of(const std::vector<std::string>& words) {
-    return [=](const std::string& text) {
-        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-        return fmt::format("{} is none of {}", text, fmt::join(words, ", "));
-    };
+std::string OneOf::operator()(const std::string& text) const {
+    if (std::find(words.begin(), words.end(), text) != words.end()) return "";
+    return fmt::format("{} is none of {}", text, fmt::join(words, ", "));
 }
 
 Flag& Flag::required() {
@@ -62,7 +60,8 @@ Flag& Flag::required() {
 }
 
 Flag& Flag::check(const FlagCheck& check) {
-    option_->check(check);
+    const auto* one = check.target<OneOf>();
+    option_->check(check, "", one ? fmt::format("{}", fmt::join(one->words, " ")) : "");
     return *this;
 }
 

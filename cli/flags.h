@@ -22,7 +22,13 @@ using FlagCheck = std::function<std::string(const std::string&)>;
 
 FlagCheck within(double minimum, double maximum);  // NaN is outside
 FlagCheck positive();                              // and finite
-FlagCheck one_of(const std::vector<std::string>& words);
+
+// One of a few words, which shell completions know by themselves.
+struct OneOf {
+    std::vector<std::string> words;
+    std::string operator()(const std::string& text) const;
+};
+inline OneOf one_of(std::vector<std::string> words) { return {std::move(words)}; }
 
 // A flag that was added, to say more about it.
 class Flag {

@@ -19,7 +19,9 @@
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/help_pages.h"
 #include "cli/message_length.h"
+#include "cli/named_inputs.h"
 #include "cli/renamed_flags.h"
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
@@ -28,10 +30,16 @@
 #include "surface/file/file_name.h"
 #include "surface/file/output_set.h"
 #include "surface/file/stale_temporaries.h"
+#include "surface/file/version.h"
+#include "surface/image/image_memory.h"
 
 namespace {
 
 using namespace tangi;
+
+// [MB] Of large images in memory (--memory-mb). With what else a command takes, 2 GB: a laptop of 8 has that
+// left.
+constexpr double kImageMemory_mb = 1200;
 
 constexpr const char* kAbout =
     "TangiPaint: photographs of a painting under many lights in, a relightable digital twin out.\n"
@@ -52,8 +60,8 @@ void write_stdout(const std::string& text) {
         fail("the result cannot be written to standard output: {}", std::strerror(errno));
 }
 
-int ended(int code, const std::string& message) {
-    write_stderr(message + "\n");
+int ended(int code, const std::string& message, double seconds = 0) {
+    tell_end(code, message, seconds);
     return code;
 }
 
@@ -90,38 +98,46 @@ std::string in_lasting_words(const std::string& message) {
     return printable(shortened(in_lasting_names(message), kMostOfMessage));
 }
 
-int run(const Command& command, std::span<char*> words, const std::function<nlohmann::json()>& body) {
+int run(const Command& command, const ConsoleOptions& console, std::span<char*> words,
+        const std::function<nlohmann::json()>& body) {
     const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
     const std::string name = command.name;
     const std::string who = "tangipaint " + name + ": ";
     try {
-        settle_outputs_named(words);
+        set_console(console, {words.begin(), words.end()});
+        settle_outputs_named(words.subspan(1));
+        const NamedInputs inputs(words.subspan(1));
         nlohmann::json result = body();
         shorten_messages(result, false);
-        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         result["command"] = name;
-        result["seconds"] = seconds.count();
+        result["version"] = version();
+        if (!result.contains("inputs")) result["inputs"] = inputs.records();
+        result["seconds"] = seconds();
         result["peak_memory_mb"] = peak_memory_mb();
         write_stdout(json_lines(result));
         const nlohmann::json poor = result.value("poor", nlohmann::json::array());
         for (const auto& reason : poor) warn("poor result: " + reason.get<std::string>());
         if (command.in_words && stdout_is_terminal())
             for (const std::string& line : command.in_words(result)) tell(line);
-        return poor.empty() ? kDone : kPoorNumbers;
+        return ended(poor.empty() ? kDone : kPoorNumbers, "", seconds());
     } catch (const Cancelled& stop) {
-        return ended(kInterrupted, "\n" + who + stop.what() + "; nothing half-written is left");
+        return ended(kInterrupted, who + stop.what() + "; nothing half-written is left", seconds());
     } catch (const UsageError& error) {
         return ended(kUsage,
-                     who + in_lasting_words(error.what()) + fmt::format("\nSee: tangipaint {} --help", name));
+                     who + in_lasting_words(error.what()) + fmt::format("\nSee: tangipaint {} --help", name),
+                     seconds());
     } catch (const Error& error) {
-        return ended(kWorldIsWrong, who + in_lasting_words(error.what()));
+        return ended(kWorldIsWrong, who + in_lasting_words(error.what()), seconds());
     } catch (
         const std::filesystem::filesystem_error& error) {  // no permission to look, a name that is too long
-        return ended(kWorldIsWrong, who + in_lasting_words(words_of(error)));
+        return ended(kWorldIsWrong, who + in_lasting_words(words_of(error)), seconds());
     } catch (const std::exception& bug) {
         const char* remedy = name == "fit" ? "; try a part of the picture with --crop" : "";
-        if (says_no_memory(bug)) return ended(kWorldIsWrong, who + kNoMemory + remedy);
-        return ended(kOurBug, who + "internal error, please report it: " + bug.what());
+        if (says_no_memory(bug)) return ended(kWorldIsWrong, who + kNoMemory + remedy, seconds());
+        return ended(kOurBug, who + "internal error, please report it: " + bug.what(), seconds());
     }
 }
 
@@ -217,6 +233,8 @@ struct Asked {
     const Command* command = nullptr;
     std::function<nlohmann::json()> body;
     int threads = 0;
+    double memory_mb = kImageMemory_mb;
+    ConsoleOptions console;
 };
 
 // Parsing notes in `asked` which of them is there.
@@ -225,7 +243,16 @@ void add_commands(CLI::App& app, Asked& asked) {
         CLI::App* sub = app.add_subcommand(command.name, command.summary);
         sub->add_option("--threads", asked.threads, "threads to use; all cores where not given")
             ->check(within(1, 1024));
+        sub->add_option(
+               "--memory-mb", asked.memory_mb,
+               "megabytes of large images that are held in memory, 1200 where not given; more are on "
+               "disk, in $TMPDIR or /var/tmp, and read as they are needed")
+            ->check(within(64, 1e9));
         Flags flags(*sub);
+        flags.option("--progress", asked.console.progress, "auto, or json: each line of stderr is an event")
+            .check(one_of({"auto", "json"}));
+        flags.flag("--quiet", asked.console.quiet, "nothing on stderr but errors");
+        flags.option("--log", asked.console.log, "file that events are added to, one JSON line each");
         const auto action = command.set_up(flags);
         sub->callback([&asked, action, &command] {
             asked.body = action;
@@ -255,6 +282,14 @@ std::optional<int> parse(CLI::App& app, std::vector<std::string> words) {
     }
 }
 
+int write_pages(const CLI::App& app, const std::string& folder) {
+    try {
+        return show(fmt::format("{}\n", fmt::join(write_help_pages(app, folder), "\n")));
+    } catch (const Error& error) {
+        return ended(kWorldIsWrong, std::string("tangipaint help: --pages: ") + error.what());
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -263,7 +298,7 @@ int main(int argc, char** argv) {
     FLAGS_minloglevel = google::GLOG_FATAL;  // and what it cannot solve is told by who asked
 
     CLI::App app(kAbout, "tangipaint");
-    app.set_version_flag("--version", "tangipaint " TP_VERSION);
+    app.set_version_flag("--version", program_name());
     app.require_subcommand(0, 1);
     app.failure_message(told_of_failure);
     Asked asked;
@@ -271,6 +306,9 @@ int main(int argc, char** argv) {
     std::string topic;
     CLI::App* help = app.add_subcommand("help", "show what a command does and takes: tangipaint help fit");
     help->add_option("COMMAND", topic, "the command to explain");
+    std::string pages;
+    help->add_option("--pages", pages,
+                     "write man pages and completions for bash, zsh and fish to this folder");
 
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return no_command(argv[1]);
     RenamedFlags typed = with_present_flags(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
@@ -281,9 +319,12 @@ int main(int argc, char** argv) {
     if (const std::optional<int> code = parse(app, typed.words)) return *code;
     if (!topic.empty() && !is_command(topic)) return no_command(topic);
     if (!topic.empty()) return show(app.get_subcommand(topic)->help("tangipaint"));
+    if (!pages.empty()) return write_pages(app, pages);
     if (asked.command) {
         set_thread_count(asked.threads);
-        return run(*asked.command, std::span(argv, static_cast<std::size_t>(argc)).subspan(2), asked.body);
+        limit_image_memory(static_cast<std::size_t>(asked.memory_mb * 1e6));
+        return run(*asked.command, asked.console, std::span(argv, static_cast<std::size_t>(argc)).subspan(1),
+                   asked.body);
     }
     // Not app.help(): after `tangipaint help` that would explain the command `help` alone.
     const std::string all = app.get_formatter()->make_help(&app, app.get_name(), CLI::AppFormatMode::Normal);

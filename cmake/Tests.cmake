@@ -15,6 +15,7 @@ set(TP_LONG_FILES
     fit/pipeline/spheres_test.cpp
     programs/cli/stacks/large_stacks_test.cpp
     programs/cli/stacks/stack_sizes_test.cpp
+    programs/cli/workflow_test.cpp
     robustness/further_faults_test.cpp)
 
 # With the sanitizers tests compile in less than half the time without optimisation. What they share with the rooms,
@@ -60,7 +61,8 @@ endfunction()
 
 # tangi_register(<program> <file>): what ctest should know of a file of tests, by its path below tests/: one entry for
 # all of it, since loading the libraries takes a program longer than most tests take, and one with the label `data`
-# (ctest -LE data leaves them out).
+# (ctest -LE data leaves them out). What computes counts as two: ctest --parallel 5 runs two of them at a time beside one of
+# the window's tests, which wait most of their time, or five of these.
 function(tangi_register program file)
     file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR}/${file})
     string(REGEX REPLACE "_test.cpp$" "" entry "${path}")
@@ -77,12 +79,12 @@ function(tangi_register program file)
     endif()
     if(filter)
         add_test(NAME ${entry} COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${filter})
-        set_tests_properties(${entry} PROPERTIES LABELS "${length}"
+        set_tests_properties(${entry} PROPERTIES LABELS "${length}" PROCESSORS 2
                              ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/support/lsan.supp")
     endif()
     if(${file}_data)
         add_test(NAME ${entry}_data COMMAND ${program}_tests --gtest_brief=1 --gtest_filter=${${file}_data})
-        set_tests_properties(${entry}_data PROPERTIES LABELS "data;${length}" TIMEOUT 3600
+        set_tests_properties(${entry}_data PROPERTIES LABELS "data;${length}" TIMEOUT 3600 PROCESSORS 2
                              SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
     endif()
 endfunction()

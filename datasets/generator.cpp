@@ -10,6 +10,7 @@
 #include "surface/base/noise.h"
 #include "surface/base/parallel.h"
 #include "surface/file/atomic_file.h"
+#include "surface/file/version.h"
 #include "surface/image_file/image_io.h"
 #include "surface/maps/photography_json.h"
 #include "surface/painting_file/painting_file.h"
@@ -181,50 +182,6 @@ void write_mask(const fs::path& path, const Image<unsigned char>& mask) {
     write_map(path, map, {.bits = 8});
 }
 
-void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photography& photography,
-                 const GeneratorOptions& options) {
-    make_folder(folder);
-    write_map(folder / "height.exr", truth.height_mm);
-    write_picture(folder / "normal.exr", truth.normal, Transfer{});
-    write_picture(folder / "albedo.exr", truth.diffuse, Transfer{});
-    write_map(folder / "specular.exr", truth.specular);
-    write_map(folder / "roughness.exr", truth.roughness);
-    for (const char* name : {"lobe.exr", "roughness_v.exr", "tangent.exr"})
-        fs::remove(folder / name);  // of another stack
-    if (!truth.lobe_axes.empty()) {
-        const auto [across, tangent] = axes_maps(truth.lobe_axes);
-        write_map(folder / "roughness_v.exr", across);
-        write_map(folder / "tangent.exr", tangent);
-    }
-    if (!truth.specular_colour.empty()) write_picture(folder / "lobe.exr", truth.specular_colour, Transfer{});
-    write_mask(folder / "loss.png", truth.loss);
-    write_mask(folder / "craquelure.png", truth.craquelure);
-    write_mask(folder / "varnish.png", truth.varnish);
-    write_mask(folder / "retouch.png", truth.retouch);
-    for (const auto& [name, mask] : {std::pair("abrasion", &truth.abrasion),
-                                     {"flaking", &truth.flaking},
-                                     {"stain", &truth.stain},
-                                     {"old_fill", &truth.old_fill},
-                                     {"overpaint", &truth.overpaint}})
-        if (std::any_of(mask->pixels().begin(), mask->pixels().end(), [](unsigned char v) { return v != 0; }))
-            write_mask(folder / fmt::format("{}.png", name), *mask);
-    write_mask(folder / "valid.png", truth.valid);
-    write_text_file(folder / "lights.json", json_lines(to_json(photography), 1));
-    const nlohmann::json meta = {{"width", truth.width()},
-                                 {"height", truth.height()},
-                                 {"mm_per_pixel", truth.mm_per_pixel},
-                                 {"generator", to_json(options)}};
-    write_text_file(folder / "meta.json", json_lines(meta, 1));
-    fs::remove(folder / "truth.exr");  // of another stack
-    if (options.reflectance == Reflectance::ggx) return;
-    Surface surface = surface_of(truth);
-    if (options.reflectance == Reflectance::lambert)
-        surface.specular = Image<float>(truth.width(), truth.height());
-    surface.photography = photography;
-    surface.provenance = json_line(meta);
-    write_painting(folder / "truth.exr", surface);
-}
-
 }  // namespace
 
 std::string_view name_of(Arrangement arrangement) {
@@ -362,6 +319,51 @@ Image<Rgb> apply_sensor(const Image<Rgb>& linear, const GeneratorOptions& o, int
             }
     });
     return result;
+}
+
+void write_truth(const fs::path& folder, const PaintingTruth& truth, const Photography& photography,
+                 const GeneratorOptions& options) {
+    make_folder(folder);
+    write_map(folder / "height.exr", truth.height_mm);
+    write_picture(folder / "normal.exr", truth.normal, Transfer{});
+    write_picture(folder / "albedo.exr", truth.diffuse, Transfer{});
+    write_map(folder / "specular.exr", truth.specular);
+    write_map(folder / "roughness.exr", truth.roughness);
+    for (const char* name : {"lobe.exr", "roughness_v.exr", "tangent.exr"})
+        fs::remove(folder / name);  // of another stack
+    if (!truth.lobe_axes.empty()) {
+        const auto [across, tangent] = axes_maps(truth.lobe_axes);
+        write_map(folder / "roughness_v.exr", across);
+        write_map(folder / "tangent.exr", tangent);
+    }
+    if (!truth.specular_colour.empty()) write_picture(folder / "lobe.exr", truth.specular_colour, Transfer{});
+    write_mask(folder / "loss.png", truth.loss);
+    write_mask(folder / "craquelure.png", truth.craquelure);
+    write_mask(folder / "varnish.png", truth.varnish);
+    write_mask(folder / "retouch.png", truth.retouch);
+    for (const auto& [name, mask] : {std::pair("abrasion", &truth.abrasion),
+                                     {"flaking", &truth.flaking},
+                                     {"stain", &truth.stain},
+                                     {"old_fill", &truth.old_fill},
+                                     {"overpaint", &truth.overpaint}})
+        if (std::any_of(mask->pixels().begin(), mask->pixels().end(), [](unsigned char v) { return v != 0; }))
+            write_mask(folder / fmt::format("{}.png", name), *mask);
+    write_mask(folder / "valid.png", truth.valid);
+    write_text_file(folder / "lights.json", json_lines(to_json(photography), 1));
+    const nlohmann::json meta = {{"software", program_name()},
+                                 {"width", truth.width()},
+                                 {"height", truth.height()},
+                                 {"mm_per_pixel", truth.mm_per_pixel},
+                                 {"generator", to_json(options)}};
+    write_text_file(folder / "meta.json", json_lines(meta, 1));
+    fs::remove(folder / "truth.exr");  // of another stack
+    if (options.reflectance == Reflectance::ggx) return;
+    Surface surface = surface_of(truth);
+    if (options.reflectance == Reflectance::lambert)
+        surface.specular = Image<float>(truth.width(), truth.height());
+    surface.photography = photography;
+    surface.provenance = json_line(meta);
+    write_painting(folder / "truth.exr", surface);
 }
 
 Photography write_stack(const fs::path& folder, const PaintingTruth& truth, const GeneratorOptions& o,

@@ -149,4 +149,8 @@ Image<Rgb> apply_sensor(const Image<Rgb>& linear, const GeneratorOptions& option
 Photography write_stack(const std::filesystem::path& folder, const PaintingTruth& truth,
                         const GeneratorOptions& options = {}, const Progress& progress = {});
 
+// What write_stack() writes to gt/, of a painting that `photography` may be empty for.
+void write_truth(const std::filesystem::path& folder, const PaintingTruth& truth,
+                 const Photography& photography, const GeneratorOptions& options);
+
 }  // namespace tangi

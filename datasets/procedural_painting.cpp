@@ -1,5 +1,7 @@
 #include "datasets/procedural_painting.h"
 
+#include <glm/matrix.hpp>
+
 #include "datasets/composition.h"
 #include "datasets/damage.h"
 #include "surface/base/parallel.h"
@@ -119,32 +121,37 @@ private:
 // Samples the painting on a grid `supersampling` times as fine as the pixels.
 class Sampler {
 public:
-    explicit Sampler(const PaintingOptions& options)
+    // Without a view, the painting as a whole, seen from straight above.
+    Sampler(const PaintingOptions& options, const PaintingView* view)
         : o_(options),
+          view_(view),
           n_(options.supersampling),
+          width_(view ? view->width : o_.width),
+          height_(view ? view->height : o_.height),
           painter_(options),
-          truth_(o_.width, o_.height, o_.mm_per_pixel),
-          fine_height_mm_(o_.width * n_ + 2, o_.height * n_ + 2) {
-        if (o_.gilding) truth_.specular_colour = Image<Rgb>(o_.width, o_.height);
-        if (o_.gilding && o_.brushed > 0) truth_.lobe_axes = Image<LobeAxes>(o_.width, o_.height);
+          truth_(width_, height_, view ? view->mm_per_pixel : o_.mm_per_pixel),
+          fine_height_mm_(width_ * n_ + 2, height_ * n_ + 2) {
+        if (view) centre_mm_ = mapped(view->to_mm, glm::dvec2(width_ - 1, height_ - 1) / 2.0);
+        if (o_.gilding) truth_.specular_colour = Image<Rgb>(width_, height_);
+        if (o_.gilding && o_.brushed > 0) truth_.lobe_axes = Image<LobeAxes>(width_, height_);
     }
 
     // Averages the samples in a row of pixels; keeps their heights.
     void sample_row(int y) {
         if (y == 0) sample_border_row(-1);
-        if (y == o_.height - 1) sample_border_row(o_.height * n_);
+        if (y == height_ - 1) sample_border_row(height_ * n_);
         for (int j = y * n_; j < (y + 1) * n_; ++j) {
-            fine(-1, j) = painter_.at(x_mm(-1), y_mm(j)).paint.height_mm;
-            fine(o_.width * n_, j) = painter_.at(x_mm(o_.width * n_), y_mm(j)).paint.height_mm;
+            fine(-1, j) = at(-1, j).paint.height_mm;
+            fine(width_ * n_, j) = at(width_ * n_, j).paint.height_mm;
         }
-        for (int x = 0; x < o_.width; ++x) sample_pixel(x, y);
+        for (int x = 0; x < width_; ++x) sample_pixel(x, y);
     }
 
     // Mean over the pixel of the central differences of the samples, which telescope.
     void set_normals(int y) {
-        const float two_pixels_mm = static_cast<float>(2 * o_.mm_per_pixel);
+        const float two_pixels_mm = view_ ? 2.0f : static_cast<float>(2 * o_.mm_per_pixel);
         const int right = n_ - 1, bottom = n_ - 1;
-        for (int x = 0; x < o_.width; ++x) {
+        for (int x = 0; x < width_; ++x) {
             const int i = x * n_, j = y * n_;
             Slope sum;
             for (int k = 0; k < n_; ++k) {
@@ -154,24 +161,51 @@ public:
                          fine(i + k, j + bottom + 1);
             }
             const float scale = 1 / (static_cast<float>(n_) * two_pixels_mm);
-            truth_.normal(x, y) = normal_of({sum.x * scale, sum.y * scale});
+            const Slope slope{sum.x * scale, sum.y * scale};
+            truth_.normal(x, y) = view_ ? seen_normal(slope, x, y) : normal_of(slope);
+        }
+    }
+
+    // Heights, once they are no longer differenced, along the camera's axis.
+    void see_heights(int y) {
+        const glm::dvec3 axis = glm::transpose(view_->rotation)[2];
+        for (int x = 0; x < width_; ++x) {
+            const glm::dvec2 off = mapped(view_->to_mm, glm::dvec2(x, y)) - centre_mm_;
+            float& z = truth_.height_mm(x, y);
+            z = static_cast<float>(glm::dot(axis, glm::dvec3(off, static_cast<double>(z))));
         }
     }
 
     PaintingTruth& truth() { return truth_; }
 
 private:
-    float x_mm(int i) const {
-        return static_cast<float>(((i + 0.5) / n_ - o_.width / 2.0) * o_.mm_per_pixel);
+    glm::vec2 point_mm(int i, int j) const {
+        if (view_) return glm::vec2(mapped(view_->to_mm, glm::dvec2(i + 0.5, j + 0.5) / double(n_) - 0.5));
+        return {static_cast<float>(((i + 0.5) / n_ - o_.width / 2.0) * o_.mm_per_pixel),
+                static_cast<float>((o_.height / 2.0 - (j + 0.5) / n_) * o_.mm_per_pixel)};
     }
-    float y_mm(int j) const {
-        return static_cast<float>((o_.height / 2.0 - (j + 0.5) / n_) * o_.mm_per_pixel);
+    Painter::Point at(int i, int j) const {
+        const glm::vec2 p = point_mm(i, j);
+        return painter_.at(p.x, p.y);
     }
+
+    // [unit vector, camera's frame] of a slope [mm a pixel] of the picture, y up: dz/dq = J^T dz/dp, with p
+    // the point of the painting and J = dp/dq.
+    Vec3 seen_normal(const Slope& slope, int x, int y) const {
+        const auto along = [&](double dx, double dy) {
+            return mapped(view_->to_mm, glm::dvec2(x + dx, y + dy)) -
+                   mapped(view_->to_mm, glm::dvec2(x - dx, y - dy));
+        };
+        const glm::dmat2 jacobian(along(0.5, 0), along(0, -0.5));
+        const glm::dvec2 gradient = glm::inverse(glm::transpose(jacobian)) * glm::dvec2(slope.x, slope.y);
+        return Vec3(view_->rotation * glm::normalize(glm::dvec3(-gradient, 1)));
+    }
+
     // Samples from (-1, -1) on: a border of one is needed for the slopes.
     float& fine(int i, int j) { return fine_height_mm_(i + 1, j + 1); }
 
     void sample_border_row(int j) {
-        for (int i = -1; i <= o_.width * n_; ++i) fine(i, j) = painter_.at(x_mm(i), y_mm(j)).paint.height_mm;
+        for (int i = -1; i <= width_ * n_; ++i) fine(i, j) = at(i, j).paint.height_mm;
     }
 
     void sample_pixel(int x, int y) {
@@ -180,7 +214,7 @@ private:
         DamageCover damage;
         for (int j = y * n_; j < (y + 1) * n_; ++j)
             for (int i = x * n_; i < (x + 1) * n_; ++i) {
-                const Painter::Point point = painter_.at(x_mm(i), y_mm(j));
+                const Painter::Point point = at(i, j);
                 fine(i, j) = point.paint.height_mm;
                 sum.height_mm += point.paint.height_mm;
                 sum.diffuse += point.paint.diffuse;
@@ -212,17 +246,44 @@ private:
     // Grooves run along the border, so the lobe is wide across it; it is anisotropic as far as there is gold.
     LobeAxes axes_at(int x, int y) const {
         const float gold = (1 - truth_.specular_colour(x, y).b) / (1 - kGold.b);
-        const Border border = border_at(o_, x_mm(x * n_ + n_ / 2), y_mm(y * n_ + n_ / 2));
+        const glm::vec2 p = point_mm(x * n_ + n_ / 2, y * n_ + n_ / 2);
+        const Border border = border_at(o_, p.x, p.y);
         const float stretch = static_cast<float>(o_.brushed) * std::clamp(gold, 0.0f, 1.0f);
-        return axes_of({border.beside_mm > border.above_mm ? stretch : -stretch, 0}, truth_.roughness(x, y));
+        LobeAxes axes =
+            axes_of({border.beside_mm > border.above_mm ? stretch : -stretch, 0}, truth_.roughness(x, y));
+        if (!view_ || !(stretch > 0)) return axes;
+        axes.tangent += static_cast<float>(std::atan2(view_->rotation[0].y, view_->rotation[0].x));
+        return axes_of(stretch_of(axes, truth_.roughness(x, y)), truth_.roughness(x, y));
     }
 
     const PaintingOptions o_;
-    const int n_;
+    const PaintingView* const view_;
+    const int n_, width_, height_;
     const Painter painter_;
+    glm::dvec2 centre_mm_{0};  // of the picture, on the painting
     PaintingTruth truth_;
     Image<float> fine_height_mm_;
 };
+
+PaintingTruth sampled(const PaintingOptions& options, const PaintingView* view, const Progress& progress) {
+    validate(options);
+    Sampler sampler(options, view);
+    const int height = sampler.truth().height();
+    constexpr int rows_at_once = 64;
+    for (int y = 0; y < height; y += rows_at_once) {
+        parallel_for(y, std::min(y + rows_at_once, height), 1, [&](int begin, int end) {
+            for (int row = begin; row < end; ++row) sampler.sample_row(row);
+        });
+        report(progress, "painting", std::min(1.0, (y + rows_at_once) / static_cast<double>(height)));
+    }
+    parallel_for(0, height, 16, [&](int begin, int end) {
+        for (int row = begin; row < end; ++row) {
+            sampler.set_normals(row);
+            if (view) sampler.see_heights(row);
+        }
+    });
+    return std::move(sampler.truth());
+}
 
 }  // namespace
 
@@ -245,19 +306,12 @@ PaintingTruth::PaintingTruth(int width, int height, double mm)
       mm_per_pixel(mm) {}
 
 PaintingTruth procedural_painting(const PaintingOptions& options, const Progress& progress) {
-    validate(options);
-    Sampler sampler(options);
-    constexpr int rows_at_once = 64;
-    for (int y = 0; y < options.height; y += rows_at_once) {
-        parallel_for(y, std::min(y + rows_at_once, options.height), 1, [&](int begin, int end) {
-            for (int row = begin; row < end; ++row) sampler.sample_row(row);
-        });
-        report(progress, "painting", std::min(1.0, (y + rows_at_once) / static_cast<double>(options.height)));
-    }
-    parallel_for(0, options.height, 16, [&](int begin, int end) {
-        for (int row = begin; row < end; ++row) sampler.set_normals(row);
-    });
-    return std::move(sampler.truth());
+    return sampled(options, nullptr, progress);
+}
+
+PaintingTruth procedural_painting(const PaintingOptions& options, const PaintingView& view,
+                                  const Progress& progress) {
+    return sampled(options, &view, progress);
 }
 
 Surface surface_of(const PaintingTruth& truth) {

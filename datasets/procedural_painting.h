@@ -10,6 +10,7 @@
 
 #include "surface/base/options.h"
 #include "surface/base/progress.h"
+#include "surface/image/homography.h"
 #include "surface/maps/surface.h"
 
 namespace tangi {
@@ -108,6 +109,20 @@ struct PaintingTruth {
 // Throws Error on options outside their intervals, Cancelled where progress asks for it. Does not depend on
 // the number of threads.
 PaintingTruth procedural_painting(const PaintingOptions& options = {}, const Progress& progress = {});
+
+// What a camera sees of a painting, from its own place.
+struct PaintingView {
+    int width = 0, height = 0;  // [pixels] of its picture
+    double mm_per_pixel = 1;    // [mm] at the picture's centre
+    Homography to_mm{1};        // pixel of the picture -> [mm] of the painting's plane, y up
+    glm::dmat3 rotation{1};     // vectors of the painting's frame -> those of the camera's
+};
+
+// The truth about this part of it in the picture's pixels and the camera's frame: height is along the
+// camera's axis, above the plane through the painting's point at the picture's centre, so that a tilted
+// camera's has a slope. Relief has no parallax. Errors as above.
+PaintingTruth procedural_painting(const PaintingOptions& options, const PaintingView& view,
+                                  const Progress& progress = {});
 
 // The same maps as a Surface; confidence is 1 where valid. Exact for the Ward model.
 Surface surface_of(const PaintingTruth& truth);

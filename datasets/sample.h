@@ -6,8 +6,9 @@
 
 namespace tangi {
 
-// The folder that holds impasto/: $TANGIPAINT_DATASETS, else datasets/ of the source that this was built
-// from. Throws Error that says what to do where it is not there.
+// The folder that holds impasto/: $TANGIPAINT_DATASETS, else share/tangipaint/datasets below the prefix that
+// program or library are installed to, else datasets/ of the source. Throws Error that says what to do where
+// it is not there.
 std::filesystem::path sample_folder();
 
 }  // namespace tangi

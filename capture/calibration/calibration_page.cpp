@@ -211,7 +211,7 @@ std::vector<std::filesystem::path> not_ours(const CalibrationFiles& files) {
     if (is_there(files.lights) && !(is_there(files.json) && is_lights_file_of(files.lights, files.json)))
         others.push_back(files.lights);
     if (is_there(files.json) && !is_capture_file(files.json)) others.push_back(files.json);
-    if (is_there(files.page) && read_text_file(files.page).find(page_head(kTitle)) != 0)
+    if (is_there(files.page) && !begins_as_page(read_text_file(files.page), kTitle))
         others.push_back(files.page);
     return others;
 }

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/registration/picture_features.h"
 #include "capture/registration/registration.h"
 #include "surface/base/error.h"
 #include "surface/image/opencv_view.h"
@@ -13,34 +13,15 @@ namespace tangi {
 
 namespace {
 
-constexpr int kFeatureSize = 1200;  // [pixels] longest side in which features are sought
-constexpr int kFeatures = 4000;
-constexpr double kRatio = 0.8;   // [1] of distances to the best and second-best descriptor (Lowe 2004)
 constexpr double kInlierPx = 3;  // [pixels of what features are sought in]
 constexpr int kLeastInliers = 15;
 constexpr int kRegisteringRounds = 6;
 constexpr int kPatchPixels = 24000;
-constexpr double kContrastFloor = 0.05;  // [1] of the mean brightness
 
 Image<float> image_of(const cv::Mat& mat) {
     Image<float> image(mat.cols, mat.rows);
     mat.copyTo(view_of(image));
     return image;
-}
-
-double floor_of(const Image<float>& image) {
-    return std::max(kContrastFloor * cv::mean(view_of(image))[0], 1e-12);
-}
-
-// Local contrast in 8 bits, reduced; `scale` gets the factor of its size.
-cv::Mat for_features(const Image<float>& picture, double& scale) {
-    scale = std::min(1.0, kFeatureSize / static_cast<double>(std::max(picture.width(), picture.height())));
-    cv::Mat small;
-    cv::resize(view_of(picture), small, {}, scale, scale, cv::INTER_AREA);
-    const Image<float> contrast = local_contrast(image_of(small), floor_of(picture));
-    cv::Mat bytes;
-    view_of(contrast).convertTo(bytes, CV_8U, 160, 128);
-    return bytes;
 }
 
 cv::Matx33d matx_of(const Homography& h) {
@@ -51,33 +32,22 @@ Homography homography_of(const cv::Matx33d& m) {
     return {m(0, 0), m(1, 0), m(2, 0), m(0, 1), m(1, 1), m(2, 1), m(0, 2), m(1, 2), m(2, 2)};
 }
 
-// By features (SIFT, Lowe 2004) and consensus (RANSAC, Fischler & Bolles 1981; OpenCV's has a fixed seed).
+// By features and consensus (RANSAC, Fischler & Bolles 1981; OpenCV's has a fixed seed).
 Homography from_features(const Image<float>& reference, const Image<float>& moved) {
-    double scales[2];
-    std::vector<cv::KeyPoint> points[2];
-    cv::Mat descriptors[2];
-    const Image<float>* pictures[2] = {&reference, &moved};
-    const auto sift = cv::SIFT::create(kFeatures);
-    for (int i = 0; i < 2; ++i)
-        sift->detectAndCompute(for_features(*pictures[i], scales[i]), {}, points[i], descriptors[i]);
+    const PictureFeatures features[2] = {features_of(reference), features_of(moved)};
+    const FeatureMatches matches = matches_of(features[0], features[1]);
     std::vector<cv::Point2f> from, to;
-    if (!descriptors[0].empty() && descriptors[1].rows > 1) {
-        std::vector<std::vector<cv::DMatch>> matches;
-        cv::BFMatcher(cv::NORM_L2).knnMatch(descriptors[0], descriptors[1], matches, 2);
-        for (const auto& pair : matches)
-            if (pair.size() == 2 && pair[0].distance < kRatio * pair[1].distance) {
-                from.push_back(points[0][static_cast<std::size_t>(pair[0].queryIdx)].pt);
-                to.push_back(points[1][static_cast<std::size_t>(pair[0].trainIdx)].pt);
-            }
-    }
+    for (const glm::dvec2& p : matches.from) from.emplace_back(cv::Point2d(p.x, p.y));
+    for (const glm::dvec2& p : matches.to) to.emplace_back(cv::Point2d(p.x, p.y));
     cv::Mat inliers, h;
     if (from.size() >= kLeastInliers) h = cv::findHomography(from, to, cv::RANSAC, kInlierPx, inliers, 5000);
     if (h.empty() || cv::countNonZero(inliers) < kLeastInliers)
         fail(
             "the two pictures cannot be registered: {} of {} features of one were found in the other; are "
             "they of the same painting?",
-            inliers.empty() ? 0 : cv::countNonZero(inliers), points[0].size());
-    return enlarging(1 / scales[1]) * homography_of(h) * glm::inverse(enlarging(1 / scales[0]));
+            inliers.empty() ? 0 : cv::countNonZero(inliers), features[0].points.size());
+    return enlarging(1 / features[1].scale) * homography_of(h) *
+           glm::inverse(enlarging(1 / features[0].scale));
 }
 
 }  // namespace
@@ -86,7 +56,7 @@ PhotoDrift register_pictures(const Image<float>& reference, const Image<float>& 
     TP_REQUIRE(!reference.empty() && !moved.empty(), "pictures have pixels");
     const MotionFrame frame(reference.width(), reference.height());
     Homography h = from_features(reference, moved);
-    const Image<float> contrast = local_contrast(reference, floor_of(reference));
+    const Image<float> contrast = local_contrast(reference, contrast_floor_of(reference));
     PhotoDrift result;
     // Twice, since what is resampled by a rough homography lacks sharpness where that is off.
     for (int pass = 0; pass < 2; ++pass) {
@@ -95,7 +65,7 @@ PhotoDrift register_pictures(const Image<float>& reference, const Image<float>& 
                             cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REFLECT);
         const Image<float> brightness = image_of(warped);
         std::vector<AlignmentWindow> windows(1);
-        windows[0].pictures = {contrast, local_contrast(brightness, floor_of(brightness))};
+        windows[0].pictures = {contrast, local_contrast(brightness, contrast_floor_of(brightness))};
         Alignment alignment(frame, {{0, 0, 1}, {0, 0, 1}}, {true, true});
         alignment.look_at(windows, kPatchPixels);
         for (int round = 0; round < kRegisteringRounds; ++round) {

@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "capture/sphere_lights/sphere_calibration.h"
+#include "surface/file/version.h"
 
 namespace tangi {
 
@@ -105,6 +106,7 @@ json to_json(const SphereCalibration& c) {
     }
     json result = {
         {"format", "tangipaint capture 1"},
+        {"software", program_name()},
         {"method", c.method},
         {"photographs", {{"count", c.lights.size()}, {"width", c.width}, {"height", c.height}}},
         {"camera",

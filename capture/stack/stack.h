@@ -117,6 +117,8 @@ public:
     int width() const { return width_; }
     int y0() const { return y0_; }
     int y1() const { return y1_; }
+    // The same rows, counted from another one: row y is y + rows now.
+    Band moved(int rows) &&;
     float* row(int photo, int channel, int y) { return &values_[index(photo, channel, y)]; }
     const float* row(int photo, int channel, int y) const { return &values_[index(photo, channel, y)]; }
 

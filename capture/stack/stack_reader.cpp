@@ -58,6 +58,11 @@ Band::Band(int photos, int channels, int width, int y0, int y1)
       values_(static_cast<std::size_t>(photos) * static_cast<std::size_t>(channels) *
               static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(width)) {}
 
+Band Band::moved(int rows) && {
+    y0_ += rows, y1_ += rows;
+    return std::move(*this);
+}
+
 StackReader::StackReader(const Stack& stack) : stack_(stack), rows_(stack.photos.size()) {
     files_.reserve(stack.photos.size());
     for (const StackPhoto& photo : stack.photos) files_.emplace_back(stack, photo);

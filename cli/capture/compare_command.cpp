@@ -131,7 +131,7 @@ Command compare_command() {
     return {"compare", "compare a painting, relit, with photographs, in numbers and pictures",
             [](Flags& flags) {
                 auto a = std::make_shared<CompareArguments>();
-                flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+                flags.option("PAINTING", a->painting, "painting (.exr, or .tangi, a folder)").required();
                 a->photos.add_to(flags, false);
                 flags.option("--out", a->out, "folder for compare.html, compare.json and the pictures")
                     .required();

@@ -13,6 +13,7 @@
 #include "surface/file/atomic_folder.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/provenance/provenance.h"
 #include "surface/render/relight.h"
 
 namespace tangi {
@@ -52,9 +53,11 @@ FitResult fit_sample(bool small, const Progress& progress) {
     FitOptions options;
     options.mm_per_pixel = 200.0 / 512;  // the sample's README
     options.white_level = 0.75;
-    FitResult fit = fit_painting(sample_stack("lights.lp", small), options, progress);
-    fit.surface.provenance = json_line(nlohmann::json{
-        {"program", "tangipaint " TP_VERSION}, {"command", "demo"}, {"inputs", "datasets/impasto/jpg"}});
+    Stack stack = sample_stack("lights.lp", small);
+    FitResult fit = fit_painting(stack, options, progress);
+    std::vector<fs::path> inputs;
+    for (const StackPhoto& photo : stack.photos) inputs.push_back(photo.path);
+    fit.surface.provenance = json_line(tangi::provenance_of("demo", to_json(options), records_of(inputs)));
     return fit;
 }
 
@@ -89,7 +92,7 @@ CompareReport write_compared(const Surface& surface, bool small, const DemoFolde
 }
 
 void say_where_to_look(const fs::path& out, const FitReport& fit, const CompareReport& compared) {
-    write_stderr(fmt::format(
+    tell_lines(fmt::format(
         "\nThe sample: 48 photographs of a rendered impasto painting, fitted, relit, and compared with {}\n"
         "photographs under lights that the fit never saw.\n\n"
         "  held out    {:.1f} dB PSNR, SSIM {:.3f}, Delta E 2000 {:.2f} on average\n"

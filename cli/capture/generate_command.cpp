@@ -1,14 +1,17 @@
 // generate_command.cpp: tangipaint generate --out DIR: photographs of a procedural painting, with ground
 // truth.
+#include <charconv>
 #include <filesystem>
 #include <set>
 
 #include "capture/formats/lights_file.h"
 #include "capture/photo/photo_file.h"
+#include "cli/arguments.h"
 #include "cli/command_list.h"
-#include "datasets/generator.h"
+#include "datasets/positions.h"
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
+#include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
 #include "surface/file/output_set.h"
@@ -21,9 +24,11 @@ namespace {
 
 struct GenerateArguments {
     std::string out, reflectance = "ggx", arrangement = "dome", format = "png16", transfer = "linear";
+    std::string positions;  // "3x2"; empty: one stack of the whole
     std::uint64_t seed = 1;
     PaintingOptions painting;
     GeneratorOptions photos;
+    PositionsOptions in_parts;
 };
 
 template <class Value>
@@ -92,6 +97,40 @@ void withdraw_left_over(OutputSet& set, const fs::path& folder, const std::vecto
             set.withdraw(folder, name);
 }
 
+// Columns and rows of "3x2".
+void take_grid(const std::string& text, PositionsOptions& options) {
+    const char* const end = text.data() + text.size();
+    const auto [cross, first] = std::from_chars(text.data(), end, options.columns);
+    const bool crossed = first == std::errc() && cross != end && *cross == 'x';
+    if (crossed)
+        if (const auto [rest, second] = std::from_chars(cross + 1, end, options.rows);
+            second == std::errc() && rest == end)
+            return;
+    throw UsageError(fmt::format("--positions {}: give columns and rows, such as 3x2", text));
+}
+
+// A stack for each position of the camera, in the place of what was written so before.
+nlohmann::json run_positions(GenerateArguments& a, const Progress& progress) {
+    take_grid(a.positions, a.in_parts);
+    AtomicFolder folder(a.out, "positions.json");
+    nlohmann::json written;
+    told_of(folder.temporary(), a.out, [&] {
+        written = write_positions(folder.temporary(), a.painting, a.in_parts, a.photos, progress);
+        write_text_file(folder.temporary() / "positions.json", json_lines(written, 1));
+    });
+    folder.commit();
+    nlohmann::json options = to_json(a.photos);
+    options["positions"] = written.at("options");
+    return {{"folder", a.out},
+            {"photographs",
+             written.at("positions").size() * static_cast<std::size_t>(a.photos.lights + a.photos.held_out)},
+            {"width", a.painting.width},
+            {"height", a.painting.height},
+            {"mm_per_pixel", a.painting.mm_per_pixel},
+            {"positions", written.at("positions")},
+            {"options", options}};
+}
+
 nlohmann::json run_generate(GenerateArguments a) {
     a.painting.seed = a.photos.seed = a.seed;
     a.photos.reflectance = chosen(reflectance_named(a.reflectance), "--reflectance", a.reflectance,
@@ -102,8 +141,9 @@ nlohmann::json run_generate(GenerateArguments a) {
         chosen(generator_format_named(a.format), "--format", a.format, "png16, png8, jpg, exr, tif");
     a.photos.transfer = chosen(transfer_named(a.transfer), "--transfer", a.transfer, "linear, srgb, a gamma");
     refuse_to_overwrite_photographs(a.out);
-    const std::vector<fs::path> before = photographs_before(a.out);
     const Progress progress = console_progress();
+    if (!a.positions.empty()) return run_positions(a, progress);
+    const std::vector<fs::path> before = photographs_before(a.out);
     FolderFiles written(a.out);  // all of them, or none
     const PaintingTruth truth = procedural_painting(a.painting, progress);
     Photography photography;
@@ -127,6 +167,13 @@ void add_fields_but_seed(Flags& flags, Options& options) {
     flags.fields(options, [](std::string_view field) { return field != "seed"; });
 }
 
+// Of which `--positions` says how many there are.
+void add_positions(Flags& flags, GenerateArguments& a) {
+    flags.option("--positions", a.positions,
+                 "photograph it in overlapping parts, a stack each: columns and rows, such as 3x2");
+    flags.fields(a.in_parts, [](std::string_view field) { return field != "columns" && field != "rows"; });
+}
+
 }  // namespace
 
 Command generate_command() {
@@ -144,7 +191,16 @@ Command generate_command() {
                 flags.option("--transfer", a->transfer, "linear, srgb or a gamma such as 2.2").show_default();
                 add_fields_but_seed(flags, a->painting);
                 add_fields_but_seed(flags, a->photos);
-                return [a] { return run_generate(*a); };
+                add_positions(flags, *a);
+                return [a, typed = flags.typed()] {
+                    if (a->positions.empty())
+                        refuse_typed(typed(),
+                                     {"--overlap", "--position-shift", "--position-roll-deg",
+                                      "--position-tilt-deg", "--position-zoom", "--position-exposure",
+                                      "--camera-distance", "--whole-truth", "--no-whole-truth"},
+                                     "is of several positions; give --positions as well");
+                    return run_generate(*a);
+                };
             }};
 }
 

@@ -1,6 +1,8 @@
 // info_command.cpp: tangipaint info FILE: what a painting file, a photograph or a lights file holds.
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <optional>
 
 #include "capture/formats/lights_format.h"
 #include "capture/photo/photo_file.h"
@@ -17,6 +19,8 @@
 #include "surface/maps/height_unit.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/painting_reader.h"
+#include "surface/painting_file/painting_tiles.h"
 
 namespace tangi {
 
@@ -24,13 +28,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Smallest, median and largest of the measured values of a map.
-template <class Value>
-nlohmann::json spread(const Surface& s, const Value& value) {
-    std::vector<float> values;
-    const std::size_t step = std::max<std::size_t>(1, s.height_mm.size() / 1000000);
-    for (std::size_t i = 0; i < s.height_mm.size(); i += step)
-        if (s.confidence.pixels()[i] > 0) values.push_back(value(i));
+// Smallest, median and largest of some values.
+nlohmann::json spread(std::vector<float> values) {
     if (values.empty()) return nullptr;
     std::sort(values.begin(), values.end());
     return {{"minimum", values.front()}, {"median", values[values.size() / 2]}, {"maximum", values.back()}};
@@ -46,51 +45,93 @@ struct HeightUnit {
     std::string key() const { return unit == "mm" ? "height_mm" : "height_px"; }
 };
 
-HeightUnit heights_of(const Canvas& canvas) {
-    return {height_unit_of(canvas.mm_per_pixel(), canvas.scale_known()),
-            static_cast<float>(canvas.height_unit_mm())};
+// Measured values of a painting's maps, by their names in the result: of large ones a million of each.
+struct MapValues {
+    std::map<std::string, std::vector<float>> maps, errors;
+    long measured = 0;
+};
+
+void add_values(const Surface& s, std::size_t i, const HeightUnit& height, MapValues& values) {
+    const auto add = [&](const char* name, float value) { values.maps[name].push_back(value); };
+    add(height.key().c_str(), height.in_unit * s.height_mm.pixels()[i]);
+    add("diffuse_luminance", luminance(s.diffuse.pixels()[i]));
+    add("specular", s.specular.pixels()[i]);
+    add("roughness", s.roughness.pixels()[i]);
+    add("confidence", s.confidence.pixels()[i]);
+    if (!s.specular_colour.empty()) add("lobe_saturation", saturation(s.specular_colour.pixels()[i]));
+    if (!s.lobe_axes.empty()) add("roughness_v", s.lobe_axes.pixels()[i].roughness_v);
 }
 
-nlohmann::json describe(const Surface& s, const HeightUnit& height) {
+// Block by block, so that no more than one is in memory.
+MapValues values_of(const PaintingReader& painting, const HeightUnit& height, const Progress& progress) {
+    MapValues values;
+    const auto width = static_cast<std::size_t>(painting.width());
+    const std::size_t step =
+        std::max<std::size_t>(1, width * static_cast<std::size_t>(painting.height()) / 1000000);
+    const std::optional<PartInfo> errors = errors_part(painting.header().parts);
+    const std::vector<Region> blocks = painting.blocks();
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+        report(progress, "read painting", static_cast<double>(b) / static_cast<double>(blocks.size()));
+        const Surface s = painting.read(blocks[b]);
+        const std::vector<Image<float>> planes =
+            errors ? painting.read_part(*errors, blocks[b]) : std::vector<Image<float>>();
+        for (int y = 0; y < s.height(); ++y)
+            for (int x = 0; x < s.width(); ++x) {
+                if (!(s.confidence(x, y) > 0)) continue;
+                ++values.measured;
+                const std::size_t number = static_cast<std::size_t>(blocks[b].y0 + y) * width +
+                                           static_cast<std::size_t>(blocks[b].x0 + x);
+                if (number % step != 0) continue;
+                add_values(s, static_cast<std::size_t>(y * s.width() + x), height, values);
+                for (std::size_t c = 0; c < planes.size(); ++c) {
+                    const std::string& name = errors->channels[c];
+                    const float value = HalfError(planes[c](x, y));
+                    values.errors[name == "height" ? height.key() : name].push_back(
+                        name == "height" ? height.in_unit * value : value);
+                }
+            }
+    }
+    return values;
+}
+
+nlohmann::json spreads(std::map<std::string, std::vector<float>>& maps,
+                       const std::vector<std::string>& names) {
+    nlohmann::json result = nlohmann::json::object();
+    for (const std::string& name : names) result[name] = spread(std::move(maps[name]));
+    return result;
+}
+
+nlohmann::json describe(const PaintingReader& painting, const HeightUnit& height, const Progress& progress) {
+    const PaintingHeader& s = painting.header();
     const Photography& p = s.photography;
     const auto fitted =
         std::count_if(p.photos.begin(), p.photos.end(), [](const auto& photo) { return photo.fitted; });
-    const auto measured = std::count_if(s.confidence.pixels().begin(), s.confidence.pixels().end(),
-                                        [](float c) { return c > 0; });
+    MapValues values = values_of(painting, height, progress);
     nlohmann::json provenance = json_or_discarded(s.provenance);
     if (provenance.is_discarded()) provenance = s.provenance;
-    return {
-        {"kind", "painting"},
-        {"width", s.width()},
-        {"height", s.height()},
-        {"mm_per_pixel", s.mm_per_pixel},
-        {"scale_known", s.scale_known},
-        {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
-        {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
-        {"specular_colour", !s.specular_colour.empty()},
-        {"anisotropic_specular", !s.lobe_axes.empty()},
-        {"measured_pixels", measured},
-        {"maps",
-         {{height.key(), spread(s, [&](std::size_t i) { return height.in_unit * s.height_mm.pixels()[i]; })},
-          {"diffuse_luminance", spread(s, [&](std::size_t i) { return luminance(s.diffuse.pixels()[i]); })},
-          {"specular", spread(s, [&](std::size_t i) { return s.specular.pixels()[i]; })},
-          {"roughness", spread(s, [&](std::size_t i) { return s.roughness.pixels()[i]; })},
-          {"lobe_saturation",
-           s.specular_colour.empty()
-               ? nlohmann::json(nullptr)
-               : spread(s, [&](std::size_t i) { return saturation(s.specular_colour.pixels()[i]); })},
-          {"roughness_v",
-           s.lobe_axes.empty()
-               ? nlohmann::json(nullptr)
-               : spread(s, [&](std::size_t i) { return s.lobe_axes.pixels()[i].roughness_v; })},
-          {"confidence", spread(s, [&](std::size_t i) { return s.confidence.pixels()[i]; })}}},
-        {"photographs",
-         {{"transfer", p.transfer.name()},
-          {"white_level", p.white_level},
-          {"fitted", fitted},
-          {"held_out", static_cast<long>(p.photos.size()) - fitted}}},
-        {"dry_hash", hash_of(s)},
-        {"provenance", provenance}};
+    return {{"kind", "painting"},
+            {"width", s.width},
+            {"height", s.height},
+            {"mm_per_pixel", s.mm_per_pixel},
+            {"scale_known", s.scale_known},
+            {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
+            {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
+            {"specular_colour", s.has_specular_colour},
+            {"anisotropic_specular", s.has_lobe_axes},
+            {"measured_pixels", values.measured},
+            {"maps", spreads(values.maps, {height.key(), "diffuse_luminance", "specular", "roughness",
+                                           "lobe_saturation", "roughness_v", "confidence"})},
+            {"standard_errors",
+             values.errors.empty()
+                 ? nlohmann::json(nullptr)
+                 : spreads(values.errors, {height.key(), "slope", "diffuse", "specular", "roughness"})},
+            {"photographs",
+             {{"transfer", p.transfer.name()},
+              {"white_level", p.white_level},
+              {"fitted", fitted},
+              {"held_out", static_cast<long>(p.photos.size()) - fitted}}},
+            {"dry_hash", s.dry_hash},
+            {"provenance", provenance}};
 }
 
 // Wet paint and dried layers, from the bottom up: how much of what they hold.
@@ -105,32 +146,13 @@ nlohmann::json describe_paint(const Canvas& canvas) {
     return layers;
 }
 
-// Standard errors, as the fit stated them.
-nlohmann::json describe(const FitErrors& errors, const Surface& s, const HeightUnit& height) {
-    const auto of = [&](const Image<HalfError>& map) {
-        return spread(s, [&](std::size_t i) { return float(map.pixels()[i]); });
-    };
-    return {{height.key(),
-             spread(s, [&](std::size_t i) { return height.in_unit * float(errors.height.pixels()[i]); })},
-            {"slope", of(errors.slope)},
-            {"diffuse", of(errors.diffuse)},
-            {"specular", of(errors.specular)},
-            {"roughness", of(errors.roughness)}};
-}
-
-nlohmann::json describe(const Session& session) {
+// What it is painted with, and in which scale.
+void describe_painted(const Session& session, nlohmann::json& json) {
     const Canvas& canvas = session.canvas();
-    const HeightUnit height = heights_of(canvas);
-    nlohmann::json json = describe(canvas.dry(), height);
     json["mm_per_pixel"] = canvas.mm_per_pixel();
     json["scale_known"] = canvas.scale_known();
-    json["scale_from"] = canvas.dry().scale_known     ? "painting"
-                         : canvas.scale_known()       ? "given to paint with"
-                         : canvas.mm_per_pixel() == 1 ? "nothing"
-                                                      : "assumed";
-    json["height_unit"] = height.unit;
+    if (!canvas.dry().scale_known && canvas.scale_known()) json["scale_from"] = "given to paint with";
     json["paint"] = describe_paint(canvas);
-    json["palette"] = json["brush"] = nullptr;
     if (const Canvas* board = session.board())
         json["palette"] = {{"width_mm", board->width() * board->mm_per_pixel()},
                            {"height_mm", board->height() * board->mm_per_pixel()},
@@ -143,6 +165,27 @@ nlohmann::json describe(const Session& session) {
                          {"used_on", on_palette ? "palette" : "painting"},
                          {"volumes_mm3", volumes_by_name(paints, brush->volumes_mm3(paints.size()))}};
     }
+}
+
+nlohmann::json describe_painting(const fs::path& path) {
+    const Progress progress = console_progress();
+    const auto painting = open_painting(path);
+    const PaintingHeader& header = painting->header();
+    std::optional<Session> session;
+    HeightUnit height{height_unit_of(header.mm_per_pixel, header.scale_known), 1};
+    if (has_paint_or_tools(header)) {
+        session.emplace(read_canvas(path, progress), artist_acrylics());
+        read_tools(path, *session, progress);
+        const Canvas& canvas = session->canvas();
+        height = {height_unit_of(canvas.mm_per_pixel(), canvas.scale_known()),
+                  static_cast<float>(canvas.height_unit_mm())};
+    }
+    nlohmann::json json = describe(*painting, height, progress);
+    json["height_unit"] = height.unit;
+    json["scale_from"] = header.scale_known ? "painting" : header.mm_per_pixel == 1 ? "nothing" : "assumed";
+    json["paint"] = nlohmann::json::array();
+    json["palette"] = json["brush"] = nullptr;
+    if (session) describe_painted(*session, json);
     return json;
 }
 
@@ -169,25 +212,16 @@ nlohmann::json describe_rti(const fs::path& path) {
 
 nlohmann::json run_info(const std::string& file) {
     const fs::path path(file);
+    if (is_tiled_painting(path)) return describe_painting(path);
     if (!fs::exists(path)) fail("{}: no such file", file);
     if (fs::is_directory(path))
-        fail("{}: is a folder; name a painting (.exr), a lights file ({}) or a photograph", file,
+        fail("{}: is a folder; name a painting (.exr, .tangi), a lights file ({}) or a photograph", file,
              extensions_in_words());
     if (!fs::is_regular_file(path)) fail("{}: is a pipe or a device, not a file", file);
     const std::string extension = lower_extension(path);
     if (extension == ".ptm" || extension == ".rti") return describe_rti(path);
     if (is_lights_file(path)) return describe_lights(path);
-    if (extension == ".exr" && is_painting(path)) {
-        const Progress progress = console_progress();
-        Session session(read_canvas(path, progress), artist_acrylics());
-        read_tools(path, session, progress);
-        const Canvas& canvas = session.canvas();
-        nlohmann::json json = describe(session);
-        json["standard_errors"] = has_errors(path)
-                                      ? describe(read_errors(path), canvas.dry(), heights_of(canvas))
-                                      : nlohmann::json(nullptr);
-        return json;
-    }
+    if (extension == ".exr" && is_painting(path)) return describe_painting(path);
     if (extension == ".exr") painting_parts(path);  // says what is wrong with one that is damaged
     const PhotoHeader header = PhotoFile(path).header();
     return {{"kind", "picture"},
@@ -208,8 +242,9 @@ Command info_command() {
                 flags
                     .option(
                         "FILE", *file,
-                        fmt::format("painting (.exr), lights file ({}), RTI file (.ptm, .rti) or photograph",
-                                    extensions_in_words()))
+                        fmt::format(
+                            "painting (.exr, .tangi), lights file ({}), RTI file (.ptm, .rti) or photograph",
+                            extensions_in_words()))
                     .required();
                 return [file] { return run_info(*file); };
             }};

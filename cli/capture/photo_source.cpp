@@ -30,12 +30,16 @@ std::optional<Transfer> encoding_fitted(const Surface& surface) {
 }
 
 // What the fit was told about its photographs.
-PhotosArguments remembered(const Surface& surface) {
+PhotosArguments remembered(const fs::path& folder, const Surface& surface) {
     const nlohmann::json photos = member(member(provenance_of(surface), "options"), "photos");
     PhotosArguments arguments;
     const auto take = [&](const char* name, std::string& value, bool is_file) {
         const nlohmann::json found = member(photos, name);
-        if (found.is_string() && (!is_file || fs::exists(found.get<std::string>()))) value = found;
+        if (!found.is_string()) return;
+        const fs::path given = found.get<std::string>();
+        if (given.empty()) return;  // as options say that were not given
+        for (const fs::path& path : {is_file ? folder / given : given, given})
+            if (!is_file || fs::exists(path)) return void(value = path.string());
     };
     take("crop", arguments.crop, false);
     take("mask", arguments.mask, true);
@@ -55,7 +59,7 @@ PhotosArguments remembered(const Surface& surface) {
 }
 
 Stack open_as_fitted(PhotosArguments arguments, const Surface& surface) {
-    const PhotosArguments fitted = remembered(surface);
+    const PhotosArguments fitted = remembered(arguments.folder, surface);
     if (arguments.crop.empty()) arguments.crop = fitted.crop;
     if (arguments.mask.empty()) arguments.mask = fitted.mask;
     arguments.light_axes = fitted.light_axes;
@@ -208,7 +212,7 @@ private:
 
 }  // namespace
 
-std::string crop_fitted(const Surface& surface) { return remembered(surface).crop; }
+std::string crop_fitted(const Surface& surface) { return remembered({}, surface).crop; }
 
 PhotosToCompare photos_to_compare(Stack stack, const PhotosArguments& arguments, const Surface& surface,
                                   const Progress& progress) {

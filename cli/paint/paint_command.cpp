@@ -7,12 +7,13 @@
 #include "cli/capture/fit_folder.h"
 #include "cli/capture/photo_source.h"
 #include "cli/command_list.h"
+#include "cli/export/export_painting.h"
 #include "cli/paint/substrate_arguments.h"
-#include "cli/relight/export_painting.h"
 #include "cli/retouch/treatment_arguments.h"
 #include "paint/files/canvas_file.h"
 #include "surface/base/error.h"
 #include "surface/image_file/image_io.h"
+#include "surface/painting_file/painting_tiles.h"
 #include "viewer/app/window.h"
 #include "viewer/model/user_settings.h"
 #include "viewer/treatment/treatment_controller.h"
@@ -94,8 +95,7 @@ void require_sound(const PaintArguments& a) {
         throw UsageError("--lights and --capture are of photographs: give their folder with --photos");
     if (!a.photos.folder.empty() && !fs::is_directory(a.photos.folder))
         fail("--photos {}: is not a folder; give the folder that holds the photographs", a.photos.folder);
-    if (!a.out.empty() && lower_extension(a.out) != ".exr")
-        fail("--out {}: a painting is an .exr file", a.out);
+    if (!a.out.empty()) require_ending(a.out, {".exr"}, "a painting is an .exr file");
     if (!a.out.empty() && fs::exists(a.out))
         fail("--out {}: exists already; open it with: paint {}", a.out, a.out);
 }

@@ -58,7 +58,7 @@ nlohmann::json run_palette(const PaletteArguments& a) {
                      "is of the drawdown cards: give a picture for them with --out");
     if (!a.file.empty() && !a.out.empty()) refuse_to_overwrite(a.out, {a.file});
     if (!a.save.empty()) refuse_to_save_over(a.save, {a.file, a.out});
-    if (!a.out.empty()) require_picture_format(a.out);
+    if (!a.out.empty()) require_picture_ending(a.out);
     const Progress progress = console_progress();
     const Palette palette = a.file.empty() ? artist_acrylics() : read_palette(a.file);
     nlohmann::json paints = nlohmann::json::array();

@@ -77,8 +77,8 @@ void require_sound_outputs(const ReplayArguments& a) {
     refuse_to_overwrite(a.out, inputs);
     if (!a.board.empty()) refuse_to_overwrite(a.board, inputs, "--board");
     if (!a.frames.video.empty()) refuse_to_overwrite(a.frames.video, inputs, "--video");
-    for (const std::string& file : {a.out, a.board})
-        if (!file.empty() && lower_extension(file) != ".exr") fail("{}: a painting is an .exr file", file);
+    if (!a.out.empty()) require_painting_ending(a.out);
+    if (!a.board.empty()) require_ending(a.board, {".exr"}, "a palette is an .exr file", "--board");
     if (!a.board.empty() && fs::weakly_canonical(a.board) == fs::weakly_canonical(a.out))
         throw UsageError(fmt::format("--board {}: is where the painting goes; give another name", a.board));
 }
@@ -88,7 +88,7 @@ struct ReplayFiles {
     explicit ReplayFiles(const ReplayArguments& a) : painting(a.out) {
         if (!a.board.empty()) board.emplace(a.board);
     }
-    AtomicFile painting;
+    PaintingOutput painting;
     std::optional<AtomicFile> board;
 };
 
@@ -120,7 +120,7 @@ void save(ReplayFiles& files, const ReplayArguments& a, const Session& session, 
     fill_canvas(files.painting, session.canvas(), progress, with_tools(std::move(further), session));
     if (files.board) fill_canvas(*files.board, *session.board(), progress, {});
     OutputSet set;
-    set.add(files.painting);
+    files.painting.add_to(set);
     if (files.board) set.add(*files.board);
     if (frames) frames->add_to(set);
     set.commit();

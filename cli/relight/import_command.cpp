@@ -4,11 +4,13 @@
 
 #include "cli/arguments.h"
 #include "cli/command_list.h"
+#include "cli/relight/import_rti.h"
 #include "fit/exchange/import_maps.h"
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
 #include "surface/image_file/image_io.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/provenance/provenance.h"
 
 namespace tangi {
 
@@ -111,7 +113,14 @@ nlohmann::json result_of(const Surface& surface, const ImportReport& report) {
 
 nlohmann::json run_import(const ImportArguments& a) {
     const Progress progress = console_progress();
-    if (lower_extension(a.out) != ".exr") fail("--out {}: a painting is an .exr file", a.out);
+    require_ending(a.out, {".exr"}, "a painting is an .exr file");
+    if (is_rti(a.folder)) {
+        const std::vector<std::string> typed = a.typed();
+        for (const std::string& flag : typed)
+            if (flag.starts_with("--") && flag != "--out" && flag != "--mm-per-pixel")
+                refuse_typed(typed, {flag}, "is of maps, and an RTI file is read");
+        return import_rti(a.folder, a.out, a.options.mm_per_pixel, progress);
+    }
     MapFiles files = map_files(a);
     const nlohmann::json maps = checked_maps(a, files);
     refuse_useless(a, files);
@@ -120,8 +129,13 @@ nlohmann::json run_import(const ImportArguments& a) {
     ImportReport report;
     Surface surface = import_maps(files, wanted, report, progress);
     nlohmann::json options = to_json(wanted);
-    surface.provenance = json_line(nlohmann::json{
-        {"program", "tangipaint " TP_VERSION}, {"command", "import"}, {"options", options}, {"maps", maps}});
+    std::vector<fs::path> inputs;
+    for (const auto& [name, typed, file] : given_maps(a, files)) {
+        if (!file) continue;
+        inputs.push_back(*file);
+        options["maps"][name] = file->filename().string();
+    }
+    surface.provenance = json_line(provenance_of("import", options, records_of(inputs)));
     write_painting(out, surface, progress);
     nlohmann::json result = result_of(surface, report);
     result["painting"] = a.out, result["maps"] = maps;
@@ -132,7 +146,8 @@ nlohmann::json run_import(const ImportArguments& a) {
 
 Command import_command() {
     return {
-        "import", "make a painting of published maps: Ward maps, or albedo, normals and height",
+        "import",
+        "make a painting of published maps (Ward maps, or albedo, normals and height) or of an RTI file",
         [](Flags& flags) {
             auto a = std::make_shared<ImportArguments>();
             flags.option(
@@ -140,7 +155,9 @@ Command import_command() {
                 "folder whose maps are found by name: kd or albedo, ks, normals, gloss, roughness, height, "
                 "lobe, roughness_v, tangent, confidence; maps.json of export --to maps says scale, second "
                 "lobe and "
-                "diffuse roughness, brdf.json of export --to openlime scale, encoding and limits of alpha");
+                "diffuse roughness, brdf.json of export --to openlime scale, encoding and limits of alpha; "
+                "or an "
+                "RTI file (.ptm, .rti), or a folder of Relight (info.json)");
             flags.option("--out", a->out, "painting file to write (.exr)").required();
             flags.option("--diffuse", a->diffuse, "diffuse map (kd, albedo)");
             flags.option("--specular", a->specular, "specular map (ks)");

@@ -181,7 +181,7 @@ nlohmann::json run_damage(const DamageArguments& a) {
     if (a.treatment.empty()) throw UsageError("--treatment: name the folder of the treatment: P.treatment");
     std::optional<AtomicFile> legend;
     if (!a.legend.empty()) {
-        require_picture_format(a.legend);
+        require_picture_ending(a.legend, "--legend");
         refuse_to_overwrite(a.legend, {a.painting});
         legend.emplace(a.legend);  // that it can be written is known before the step
     }
@@ -222,7 +222,7 @@ Command damage_command() {
         "damage", "map the damage of a painting: suggested, or drawn; begins its treatment",
         [](Flags& flags) {
             auto a = std::make_shared<DamageArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr)").required();
+            flags.option("PAINTING", a->painting, "painting (.exr or .tangi)").required();
             flags.option("--treatment", a->treatment, "folder of the treatment; made where it is not there")
                 .required();
             flags

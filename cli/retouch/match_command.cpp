@@ -236,7 +236,7 @@ void require_sound_swatch(const MatchArguments& a) {
         if (!file.empty()) inputs.emplace_back(file);
     for (const fs::path& file : a.area.inputs()) inputs.push_back(file);
     refuse_to_overwrite(a.swatch, inputs);
-    require_picture_format(a.swatch);
+    require_picture_ending(a.swatch, "--swatch");
     std::error_code missing;
     if (a.swatch == a.save_pairs || fs::equivalent(a.swatch, a.save_pairs, missing))
         fail("--swatch {}: is the file of --save-pairs too; choose another name", a.swatch);
@@ -346,7 +346,7 @@ nlohmann::json run_match(const MatchArguments& a) {
         record(*treatment, a, options, result, files, progress);
     else
         files.set.commit();
-    write_stderr(table_of(found, box));
+    tell_lines(table_of(found, box));
     return result;
 }
 
@@ -357,7 +357,7 @@ Command match_command() {
         "match", "find recipes from one's own paints for a colour, a spectrum, or what is beside a loss",
         [](Flags& flags) {
             auto a = std::make_shared<MatchArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr), with --mask");
+            flags.option("PAINTING", a->painting, "painting (.exr or .tangi), with --mask");
             a->area.add_to(flags, "where the loss is: its surroundings are matched");
             flags.option(
                 "--treatment", a->treatment,

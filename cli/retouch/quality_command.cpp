@@ -203,7 +203,7 @@ Command quality_command() {
     return {"quality", "compare retouches with what is beside them: colour, height, gloss, raking light",
             [](Flags& flags) {
                 auto a = std::make_shared<QualityArguments>();
-                flags.option("PAINTING", a->painting, "painting file (.exr) with its retouches");
+                flags.option("PAINTING", a->painting, "painting (.exr or .tangi) with its retouches");
                 a->area.add_to(flags, "where the retouches are; of a treatment all of them without");
                 flags.option(
                     "--out", a->out,

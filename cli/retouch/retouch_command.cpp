@@ -100,7 +100,7 @@ void require_sound(const RetouchArguments& a) {
     if (!a.out.empty()) refuse_to_overwrite(a.out, inputs);
     if (a.preview.empty()) return;
     refuse_to_overwrite(a.preview, inputs);
-    require_picture_format(a.preview);
+    require_picture_ending(a.preview, "--preview");
 }
 
 // Where paint may lie.
@@ -272,7 +272,7 @@ Command retouch_command() {
         "retouch", "lay a retouch inside a mask: mimetic, tratteggio, selection, abstraction, dots, neutral",
         [](Flags& flags) {
             auto a = std::make_shared<RetouchArguments>();
-            flags.option("PAINTING", a->painting, "painting file (.exr)");
+            flags.option("PAINTING", a->painting, "painting (.exr or .tangi)");
             a->area.add_to(flags, "where paint may lie");
             flags.option("--mode", a->mode, "mimetic, tratteggio, selection, abstraction, dotting or neutral")
                 .check(one_of({"mimetic", "tratteggio", "selection", "abstraction", "dotting", "neutral"}))

@@ -7,6 +7,7 @@
 #include "cli/arguments.h"
 #include "cli/command.h"
 #include "surface/base/error.h"
+#include "surface/file/version.h"
 #include "viewer/model/crash_recovery.h"
 
 namespace tangi {
@@ -17,7 +18,7 @@ void AuthorArguments::add_to(Flags& flags) {
 
 Author AuthorArguments::author() const {
     const char* user = std::getenv("USER");
-    return {!by.empty() ? by : user && *user ? user : "unknown", "tangipaint " TP_VERSION};
+    return {!by.empty() ? by : user && *user ? user : "unknown", program_name()};
 }
 
 void AreaArguments::add_to(Flags& flags, const std::string& what) {

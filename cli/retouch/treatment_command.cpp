@@ -229,7 +229,7 @@ json run_treatment(const TreatmentArguments& a) {
     }
     const bool writes = a.action == "show" || a.action == "additions" || a.action == "report";
     if (writes) require(a.out, "--out FILE", a.action);
-    if (writes && a.action != "report") require_picture_format(a.out);
+    if (writes && a.action != "report") require_picture_ending(a.out);
     address_of(a.published_at);
     if (a.action == "report" && lower_extension(a.out) != ".html" && lower_extension(a.out) != ".pdf")
         throw UsageError(fmt::format("--out {}: a report is written as .html and .pdf, side by side", a.out));
@@ -274,7 +274,7 @@ Command treatment_command() {
                                "additions", "report"}));
             flags.option("TREATMENT", a->folder, "folder of the treatment").required();
             flags.option("--painting", a->painting,
-                         "begin, earlier: painting file (.exr), which is copied; earlier: as it was before "
+                         "begin, earlier: painting, which is copied; earlier: as it was before "
                          "it was cleaned");
             flags
                 .option("--mm-per-pixel", a->mm_per_pixel,

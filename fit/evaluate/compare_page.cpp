@@ -3,10 +3,12 @@
 #include <array>
 
 #include "fit/evaluate/compare_page_html.h"
+#include "surface/base/html_escape.h"
 #include "surface/base/json_text.h"
 #include "surface/base/parallel.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
+#include "surface/file/version.h"
 #include "surface/image_file/image_io.h"
 #include "surface/report/false_colour.h"
 
@@ -106,6 +108,7 @@ CompareReport write_files(const fs::path& folder, const Surface& surface, const 
     };
     CompareReport report = compare(surface, photos, options, progress, sink, residual);
     json data = to_json(report);
+    data["software"] = program_name();
     for (std::size_t i = 0; i < files.size(); ++i) data["photos"][i]["pictures"] = files[i];
     write_text_file(folder / "compare.json", json_lines(data));
     data["maps"] = write_maps(folder, surface, options);
@@ -139,9 +142,7 @@ std::string comparison_page(const json& report) {
     data["legends"] = {{"error", legend_of(ColourMap::diverging, {-100 * error, 100 * error}, "%")},
                        {"delta_e", legend_of(ColourMap::sequential, {0, delta_e}, "ΔE")}};
 
-    // Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.
-    std::string text;
-    for (const char c : json_line(data)) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    const std::string text = inside_script(json_line(data));
     std::string page = kComparePageHtml;
     const std::string mark = "{{report}}";
     const std::size_t at = page.find(mark);

@@ -6,6 +6,7 @@
 
 #include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
+#include "surface/file/version.h"
 #include "surface/image_file/image_io.h"
 #include "surface/maps/height_unit.h"
 #include "surface/maps/photography_json.h"
@@ -54,6 +55,18 @@ private:
 
 }  // namespace
 
+nlohmann::json about_maps(const Surface& s) {
+    return {{"software", program_name()},
+            {"width", s.width()},
+            {"height", s.height()},
+            {"mm_per_pixel", s.mm_per_pixel},
+            {"scale_known", s.scale_known},
+            {"height_unit", height_unit_of(s.mm_per_pixel, s.scale_known)},
+            {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
+            {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
+            {"photography", to_json(exposure_and_camera(s.photography))}};
+}
+
 std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const Progress& progress) {
     Writer write(folder, 7 + (s.specular_colour.empty() ? 0 : 1) + (s.lobe_axes.empty() ? 0 : 2), progress);
     write("height.exr", [&](const fs::path& path) { write_map(path, s.height_mm); });
@@ -69,15 +82,7 @@ std::vector<fs::path> write_maps(const fs::path& folder, const Surface& s, const
         write("roughness_v.exr", [&, map = &across](const fs::path& path) { write_map(path, *map); });
         write("tangent.exr", [&, map = &tangent](const fs::path& path) { write_map(path, *map); });
     }
-    const nlohmann::json about = {{"width", s.width()},
-                                  {"height", s.height()},
-                                  {"mm_per_pixel", s.mm_per_pixel},
-                                  {"scale_known", s.scale_known},
-                                  {"height_unit", height_unit_of(s.mm_per_pixel, s.scale_known)},
-                                  {"diffuse_roughness", s.reflectance_model.diffuse_roughness},
-                                  {"second_lobe_weight", s.reflectance_model.second_lobe_weight},
-                                  {"photography", to_json(exposure_and_camera(s.photography))}};
-    write("maps.json", [&](const fs::path& path) { write_text_file(path, json_lines(about)); });
+    write("maps.json", [&](const fs::path& path) { write_text_file(path, json_lines(about_maps(s))); });
     return write.paths;
 }
 
@@ -125,7 +130,8 @@ std::vector<fs::path> write_openlime(const fs::path& folder, const Surface& s, c
         {"alphaLimits", {shortest(least), shortest(most)}},
         {"mm_per_pixel", s.mm_per_pixel},
         {"scale_known", s.scale_known},
-        {"clamped_pixels", clamped}};
+        {"clamped_pixels", clamped},
+        {"software", program_name()}};
     write("brdf.json", [&](const fs::path& path) { write_text_file(path, json_lines(brdf)); });
     return write.paths;
 }

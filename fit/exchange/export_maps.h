@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ namespace tangi {
 // be written.
 std::vector<std::filesystem::path> write_maps(const std::filesystem::path& folder, const Surface& surface,
                                               const Progress& progress = {});
+
+// What maps.json says of a surface.
+nlohmann::json about_maps(const Surface& surface);
 
 // What OpenLIME's Ward shader takes: kd.png (sRGB), ks.png (in colour where lobes are), normals.png (2 c -
 // 1), gloss.png (of lobes that are anisotropic the mean), 8 bit, since browsers show no more, all but kd.png

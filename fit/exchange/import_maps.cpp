@@ -3,22 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
-#include "surface/base/json_reading.h"
-#include "surface/base/json_text.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
-#include "surface/base/renamed_keys.h"
-#include "surface/file/atomic_file.h"
 #include "surface/file/visible_files.h"
 #include "surface/image/memory_budget.h"
 #include "surface/image_file/image_io.h"
 #include "surface/image_file/picture_rows.h"
-#include "surface/maps/photography_json.h"
 
 namespace tangi {
 
@@ -134,8 +128,11 @@ void take_confidence(const Image<Rgb>& map, const fs::path& path, Surface& s, Im
 }
 
 void take_height(const Image<Rgb>& map, const fs::path& path, const ImportOptions& options, Surface& s) {
-    const float scale = lower_extension(path) == ".exr" ? 1.0f : static_cast<float>(options.height_range_mm);
-    for (std::size_t i = 0; i < map.size(); ++i) s.height_mm.pixels()[i] = scale * map.pixels()[i].r;
+    const bool is_in_mm = lower_extension(path) == ".exr";
+    const double from = is_in_mm ? 0 : options.height_from_mm,
+                 range = is_in_mm ? 1 : options.height_range_mm.value_or(1);
+    for (std::size_t i = 0; i < map.size(); ++i)
+        s.height_mm.pixels()[i] = static_cast<float>(from + range * map.pixels()[i].r);
 }
 
 // Says how many pixels have a value that is none of the map's: of another encoding or scale, as a rule.
@@ -262,80 +259,10 @@ void level(Surface& s, ImportReport& report_) {
         std::atan(std::hypot(plane.a, plane.b) / s.mm_per_pixel) * 180 / std::numbers::pi;
 }
 
-// What is told of maps beside them. Throws Error where that cannot be read.
-nlohmann::json told_in(const fs::path& path) {
-    nlohmann::json about = read_json(read_text_file(path), path.string());
-    return about.is_object() ? about : nlohmann::json::object();
-}
-
-// A number within these limits; none where nothing is said.
-std::optional<double> number_in(const fs::path& path, const std::string& name, const nlohmann::json& value,
-                                double least, double most) {
-    if (value.is_null()) return {};
-    if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
-        fail("{}: {} = {} is no number from {} to {}; mend it, or take it away", path.string(), name,
-             shown(value), least, most);
-    return value.get<double>();
-}
-
-void take_scale(const fs::path& path, const nlohmann::json& about, ImportOptions& options) {
-    if (options.mm_per_pixel) return;
-    options.mm_per_pixel =
-        number_in(path, "mm_per_pixel", about.value("mm_per_pixel", nlohmann::json()), 1e-6, 1e3);
-    options.scale_known = about.value("scale_known", nlohmann::json(true)) == true;
-}
-
-// What a layer of OpenLIME has to be told beside its maps.
-ImportOptions as_openlime_is_told(const fs::path& path, ImportOptions options) {
-    if (!fs::is_regular_file(path)) return options;
-    const nlohmann::json about = told_in(path);
-    take_scale(path, about, options);
-    const nlohmann::json spaces = about.value("colorspaces", nlohmann::json());
-    if (spaces.is_object() && spaces.contains("kd") && !options.diffuse_srgb)
-        options.diffuse_srgb = spaces["kd"] != "linear";  // as OpenLIME reads it
-    const nlohmann::json limits = about.value("alphaLimits", nlohmann::json());
-    if (!limits.is_null() && !options.alpha_min && !options.alpha_max) {
-        const bool two = limits.is_array() && limits.size() == 2;
-        const auto limit = [&](int i) {
-            return two ? number_in(path, fmt::format("alphaLimits[{}]", i), limits[i], 1e-3, 1)
-                       : std::optional<double>();
-        };
-        options.alpha_min = limit(0);
-        options.alpha_max = limit(1);
-        if (!options.alpha_min || !options.alpha_max || !(*options.alpha_min < *options.alpha_max))
-            fail(
-                "{}: alphaLimits are to be two numbers, the least alpha and the greatest; mend them, or give "
-                "--alpha-min and --alpha-max",
-                path.string());
-    }
-    return options;
-}
-
 }  // namespace
 
 double least_alpha(const ImportOptions& options) { return options.alpha_min.value_or(0.01); }
 double greatest_alpha(const ImportOptions& options) { return options.alpha_max.value_or(0.5); }
-
-ImportOptions as_described(const fs::path& folder, ImportOptions options) {
-    const fs::path path = folder / "maps.json";
-    if (!fs::is_regular_file(path)) return as_openlime_is_told(folder / "brdf.json", std::move(options));
-    const nlohmann::json about = with_present_keys(told_in(path));
-    if (!about.value("scale_known", nlohmann::json()).is_boolean()) return options;  // another program's
-    const auto number = [&](const char* field, double least, double most) {
-        return number_in(path, field, about.value(field, nlohmann::json()), least, most);
-    };
-    options.levelled = true;
-    take_scale(path, about, options);
-    try {
-        options.photography = photography_from_json(about.value("photography", nlohmann::json::object()));
-    } catch (const std::exception&) {  // of a parser, about columns that nobody sees
-        fail("{}: what it says of the photography cannot be read; export the maps again, or take that out",
-             path.string());
-    }
-    if (!options.second_lobe_weight) options.second_lobe_weight = number("second_lobe_weight", 0, 1);
-    if (!options.diffuse_roughness) options.diffuse_roughness = number("diffuse_roughness", 0, 1);
-    return options;
-}
 
 MapFiles find_maps(const fs::path& folder, const MapFiles& named) {
     if (!fs::is_directory(folder)) fail("{}: no such folder", folder.string());

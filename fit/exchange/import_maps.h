@@ -37,11 +37,12 @@ struct ImportOptions {
     std::optional<double> alpha_min{}, alpha_max{};  // [1] what gloss 1 and 0 stand for; 0.01 and 0.5
     bool normals_y_down = false;                     // green grows downwards (DirectX)
     std::optional<bool> diffuse_srgb{};              // the diffuse map is sRGB-encoded; linear
-    double height_range_mm = 1;  // [mm] from 0 to full scale of an integer height map; EXR is in mm
+    std::optional<double> height_range_mm{};         // [mm] from 0 to full scale of an integer height map; 1
     std::optional<double> second_lobe_weight{}, diffuse_roughness{};  // [1] as ReflectanceModel's
     // No flags, but what the maps' description says:
-    bool scale_known = true;  // of mm_per_pixel, where that is given
-    bool levelled = false;    // the height is above the support already: no plane is taken off it
+    bool scale_known = true;    // of mm_per_pixel, where that is given
+    bool levelled = false;      // the height is above the support already: no plane is taken off it
+    double height_from_mm = 0;  // [mm] what 0 of an integer height map stands for
     Photography photography{};
 
     static constexpr std::string_view name = "import";
@@ -61,7 +62,7 @@ struct ImportOptions {
                         "the diffuse map is sRGB-encoded, not linear (of brdf.json, or linear)"},
               self.diffuse_srgb);
         visit(FieldInfo{"height_range_mm", 1e-6, 1e4, "mm",
-                        "height of full scale over 0 in an integer height map"},
+                        "height of full scale over 0 in an integer height map (of maps.json, or 1)"},
               self.height_range_mm);
         visit(FieldInfo{"second_lobe_weight", 0, 1, "1",
                         "part of the gloss in a lobe of twice the roughness (of maps.json, or 0)"},
@@ -79,9 +80,9 @@ double least_alpha(const ImportOptions& options);
 double greatest_alpha(const ImportOptions& options);
 
 // What the maps.json or brdf.json that write_maps() or write_openlime() wrote (export_maps.h) says of the
-// maps in this folder, where `options` do not say it: scale, law and photography; scale, encoding and limits
-// of alpha. Another program's file of that name says nothing but what OpenLIME's layers need, too. Throws
-// Error naming it where it cannot be read.
+// maps in this folder, where `options` do not say it: scale, law and photography, and of maps of 16 bits
+// encoding and heights; scale, encoding and limits of alpha. Another program's file of that name says nothing
+// but what OpenLIME's layers need, too. Throws Error naming it where it cannot be read.
 ImportOptions as_described(const std::filesystem::path& folder, ImportOptions options);
 
 struct ImportReport {

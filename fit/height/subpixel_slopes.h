@@ -9,6 +9,7 @@
 // shadows that are too short.
 #pragma once
 
+#include "fit/pixel/fit_errors.h"
 #include "surface/maps/surface.h"
 
 namespace tangi {
@@ -20,5 +21,10 @@ namespace tangi {
 // the trapezoid that integrate_normals() takes). Pixels of confidence 0 stay as they are, and have no say in
 // others.
 Image<Vec3> steepened_normals(const Image<Vec3>& normal, const Image<float>& confidence, double mixing);
+
+// Adds to the standard errors of slopes what a pixel's mixing leaves unknown: brighter parts of it have more
+// of a say in its normal, and which these are does not show. In quadrature, a part of slope_spread().
+void add_mixing_error(const Image<Vec3>& normal, const Image<float>& confidence,
+                      Image<HalfError>& slope_error);
 
 }  // namespace tangi

@@ -12,6 +12,7 @@
 #include "capture/stack/reduced_photos.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
+#include "surface/maps/surface_part.h"
 #include "surface/render/relight.h"
 
 namespace tangi {
@@ -112,8 +113,12 @@ float confidence_of(const WardEstimate& e) {
 }
 
 constexpr std::size_t kRmsResiduals = 1000000;
+std::size_t pixels_of_painting(const Surface& s) {
+    const glm::ivec2 size = painting_size(s);
+    return static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+}
 std::size_t rms_step(const Surface& s) {
-    return std::max<std::size_t>(1, s.height_mm.size() / kRmsResiduals);
+    return std::max<std::size_t>(1, pixels_of_painting(s) / kRmsResiduals);
 }
 
 void store(const WardEstimate& e, int x, int y, FitResult& result) {
@@ -149,8 +154,9 @@ PixelKnowledge knowledge_of(const FitPass& pass, const Surface& surface, const W
             known.prior = [stretched, general](int x, int y) { return stretched(x, y, general); };
         return known;
     }
-    known.prior = [&surface, coloured, stretched, first = pass.first](int x, int y) {
-        WardPrior prior = stretched(x, y, first->prior_at(x, y));
+    const glm::ivec2 corner = in_painting(surface, 0, 0);
+    known.prior = [&surface, coloured, stretched, corner, first = pass.first](int x, int y) {
+        WardPrior prior = stretched(x, y, first->prior_at(corner.x + x, corner.y + y));
         if (!coloured) return prior;
         // rho_s of a white lobe is that of the mean channel, of a coloured one that of the largest.
         const Rgb& colour = surface.specular_colour(x, y);
@@ -160,7 +166,9 @@ PixelKnowledge knowledge_of(const FitPass& pass, const Surface& surface, const W
         return prior;
     };
     known.shadows = &pass.first->shadows();
-    known.occluded = [first = pass.first](int x, int y) { return first->is_occluded(x, y); };
+    known.occluded = [corner, first = pass.first](int x, int y) {
+        return first->is_occluded(corner.x + x, corner.y + y);
+    };
     known.lights = &pass.first->lights;
     return known;
 }
@@ -196,10 +204,12 @@ void each_band(const CalibratedStack& input, const Do& act) {
         return each_band(
             reduced->height(), rows, [&](int y0, int y1) { return reduced->read(y0, y1, transfer); }, act);
     }
-    StackReader reader(input.stack);
+    std::optional<StackReader> own;
+    StackReader& reader = input.reader ? *input.reader : own.emplace(input.stack);
+    const int first = input.reader ? input.first_row : 0;
     each_band(
         input.stack.height(), rows_of_band(input.stack, reader),
-        [&](int y0, int y1) { return reader.read(y0, y1, transfer); }, act);
+        [&](int y0, int y1) { return reader.read(first + y0, first + y1, transfer).moved(-first); }, act);
 }
 
 // Keeps references to all that it is given.
@@ -215,14 +225,17 @@ public:
           sampled_(sampled_pixels(result.surface.width(), result.surface.height())),
           result_(result),
           progress_(progress),
-          rms_residuals_((result.surface.height_mm.size() - 1) / rms_step(result.surface) + 1, -1) {}
+          counts_(pass.tile > 0 ? static_cast<std::size_t>((result.surface.width() - 1) / pass.tile + 1)
+                                : 1) {}
 
-    void run() {
+    std::vector<PassCounts> run() {
         each_band(input_, [&](const Band& band) {
             if (pass_.first) pass_.first->advance(band.y0(), band.y1());
             fit_band(band);
         });
-        summarise();
+        // Threads found them in any order.
+        for (PassCounts& counts : counts_) std::ranges::sort(counts.rms_residuals);
+        return std::move(counts_);
     }
 
 private:
@@ -233,7 +246,12 @@ private:
     }
     void fit_band(const Band& band);
     void take(const Band& band, int x, int y, const WardEstimate& estimate, RowFitter& fitter);
-    void summarise();
+    // Of a pixel among those of the painting.
+    std::size_t index_of(int x, int y) const {
+        const glm::ivec2 at = in_painting(result_.surface, x, y);
+        return static_cast<std::size_t>(at.y) * static_cast<std::size_t>(painting_size(result_.surface).x) +
+               static_cast<std::size_t>(at.x);
+    }
 
     const CalibratedStack& input_;
     const FitOptions& options_;
@@ -243,10 +261,8 @@ private:
     const SampledPixels sampled_;
     FitResult& result_;
     const Progress& progress_;
-    long fitted_ = 0, not_converged_ = 0;
+    std::vector<PassCounts> counts_;  // of each tile
     int rows_ = 0;
-    std::vector<float> rms_residuals_;  // [sigma] of every so many-th pixel; < 0 where it was not fitted
-    SolverAgreement solvers_;
     std::mutex mutex_;
 };
 
@@ -256,22 +272,26 @@ void PassFitter::fit_band(const Band& band) {
         [&] { return RowFitter(ward_, options_.solver, input_.lighting, input_.noise, band.channels()); });
     // Enough pixels at once to keep registers full; with Ceres alone a row takes long enough.
     const int rows = options_.solver == Solver::batch ? std::max(1, 4096 / band.width()) : 1;
-    const RowTask task{surface, known_, pass_.mask, pass_.judged};
+    const RowTask task{surface, known_, pass_.mask, pass_.judged, pass_.tile};
     parallel_for(band.y0(), band.y1(), rows, [&](int begin, int end) {
         RowFitter& fitter = fitters.local();
-        long fitted = 0, not_converged = 0;
+        std::vector<PassCounts> counts(counts_.size());
         fitter.fit(band, begin, end, task, [&](int x, int y, const WardEstimate& e) {
-            ++fitted;
-            not_converged += !e.converged;
+            PassCounts& here = counts[static_cast<std::size_t>(pass_.tile > 0 ? x / pass_.tile : 0)];
+            ++here.fitted;
+            here.not_converged += !e.converged;
+            if (index_of(x, y) % rms_step(surface) == 0)
+                here.rms_residuals.push_back(static_cast<float>(e.rms_residual));
             take(band, x, y, e, fitter);
         });
         const std::lock_guard lock(mutex_);
-        fitted_ += fitted;
-        not_converged_ += not_converged;
+        for (std::size_t i = 0; i < counts.size(); ++i) counts_[i] += counts[i];
         rows_ += end - begin;
         report(progress_, pass_.name, rows_ / static_cast<double>(surface.height()));
     });
-    for (const RowFitter& fitter : fitters) solvers_ += fitter.agreement();
+    for (const RowFitter& fitter : fitters)
+        for (std::size_t i = 0; i < fitter.agreement().size(); ++i)
+            counts_[i].solvers += fitter.agreement()[i];
 }
 
 // The estimate of a pixel becomes part of the maps, and evidence for later passes.
@@ -283,29 +303,33 @@ void PassFitter::take(const Band& band, int x, int y, const WardEstimate& e, Row
     if (pass_.stretches && sampled_.x.has(x) && sampled_.y.has(y))
         (*pass_.stretches)(sampled_.x.nearest(x), sampled_.y.nearest(y)) =
             stretch_evidence(samples(), e, ward_);
-    const std::size_t index =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(surface.width()) + static_cast<std::size_t>(x);
-    if (index % rms_step(surface) == 0)
-        rms_residuals_[index / rms_step(surface)] = static_cast<float>(e.rms_residual);
 }
 
-// What the report says of pixels.
-void PassFitter::summarise() {
-    const Surface& surface = result_.surface;
-    FitReport& report = result_.report;
+}  // namespace
+
+PassCounts& PassCounts::operator+=(const PassCounts& other) {
+    fitted += other.fitted;
+    not_converged += other.not_converged;
+    solvers += other.solvers;
+    rms_residuals.insert(rms_residuals.end(), other.rms_residuals.begin(), other.rms_residuals.end());
+    return *this;
+}
+
+void summarise(const PassCounts& counts, const FitOptions& options, FitResult& result) {
+    const Surface& surface = result.surface;
+    FitReport& report = result.report;
     report.pixels = static_cast<long>(surface.height_mm.size());
-    report.fitted = fitted_;
-    report.not_converged = not_converged_;
-    report.solvers = solvers_;
+    report.fitted = counts.fitted;
+    report.not_converged = counts.not_converged;
+    report.solvers = counts.solvers;
     report.too_bright = 0;
     for (const Rgb& diffuse : surface.diffuse.pixels())
         report.too_bright +=
-            std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * options_.ward.bounds.diffuse_max;
-    std::erase_if(rms_residuals_, [](float rms) { return rms < 0; });
+            std::max({diffuse.r, diffuse.g, diffuse.b}) > 0.99 * options.ward.bounds.diffuse_max;
     std::vector<float> confidences;
     for (std::size_t i = 0; i < surface.height_mm.size(); i += rms_step(surface))
         if (surface.confidence.pixels()[i] > 0) confidences.push_back(surface.confidence.pixels()[i]);
-    report.median_rms_residual = median(std::move(rms_residuals_));
+    report.median_rms_residual = median(counts.rms_residuals);
     const auto unsure =
         std::count_if(confidences.begin(), confidences.end(), [](float c) { return c < 0.5f; });
     report.unsure =
@@ -313,11 +337,14 @@ void PassFitter::summarise() {
     report.median_confidence = median(std::move(confidences));
 }
 
-}  // namespace
+std::vector<PassCounts> fit_pixels(const CalibratedStack& input, const FitOptions& options,
+                                   const FitPass& pass, FitResult& result, const Progress& progress) {
+    return PassFitter(input, options, pass, result, progress).run();
+}
 
 void fit_pass(const CalibratedStack& input, const FitOptions& options, const FitPass& pass, FitResult& result,
               const Progress& progress) {
-    PassFitter(input, options, pass, result, progress).run();
+    summarise(fit_pixels(input, options, pass, result, progress).front(), options, result);
 }
 
 }  // namespace tangi

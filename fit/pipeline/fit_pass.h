@@ -50,10 +50,31 @@ struct FitPass {
     FirstPass* first = nullptr;                   // of a second pass
     Image<LobeEvidence>* colours = nullptr;       // to be filled in
     Image<StretchEvidence>* stretches = nullptr;  // likewise, of those that are asked
+    int tile = 0;  // [pixels] width of the tiles that are counted apart; 0: all are one
 };
 
-// Fits every pixel of the pass, fills in the maps of `result` but for the height, and what its report says of
-// pixels. Lobes have the colours and axes that the surface says. Throws as fit_painting().
+// What a pass counts of its pixels.
+struct PassCounts {
+    long fitted = 0, not_converged = 0;
+    SolverAgreement solvers{};
+    std::vector<float>
+        rms_residuals{};  // [sigma] of a million of the painting's pixels, as far as they were fitted
+
+    PassCounts& operator+=(const PassCounts& other);  // of another part of the painting
+};
+
+// Fits every pixel of the pass and fills in the maps of `result` but for the height. Lobes have the colours
+// and axes that the surface says. The surface, with `input` and the mask, may be a part of a painting
+// (Surface::part_of): its pixels get the bits that they get with all others, where its left column is a
+// multiple of kMarchLanes. Returns what was counted of each tile (FitPass::tile), or of all. Throws as
+// fit_painting().
+std::vector<PassCounts> fit_pixels(const CalibratedStack& input, const FitOptions& options,
+                                   const FitPass& pass, FitResult& result, const Progress& progress);
+
+// What the report says of pixels, once all are fitted.
+void summarise(const PassCounts& counts, const FitOptions& options, FitResult& result);
+
+// Both, of a whole picture.
 void fit_pass(const CalibratedStack& input, const FitOptions& options, const FitPass& pass, FitResult& result,
               const Progress& progress);
 

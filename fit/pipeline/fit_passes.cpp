@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "fit/height/slope_edges.h"
-#include "fit/material/low_confidence_fill.h"
 #include "fit/material/occluded_pixels.h"
 #include "fit/pipeline/fit_pass.h"
 #include "fit/pipeline/reduced_result.h"
+#include "fit/pipeline/refinement.h"
 
 namespace tangi {
 
@@ -21,15 +21,6 @@ constexpr double kTrusted = 1;
 constexpr double kFewHidden = 1e-3;
 // [1] HeightOptions::tolerance of the height that casts shadows: what is left are long waves.
 constexpr double kShadowTolerance = 1e-3;
-
-// [sigma] of the second pass. Cauchy's loss has 95 % of the efficiency of least squares where its scale is
-// 2.385 times that of the residuals (Holland & Welsch 1977, "Robust regression using iteratively reweighted
-// least-squares"), which the first pass shows; a wider one lets light from other relief and mixed pixels tilt
-// normals. At least 2: with 1, impasto's normals gain another 0.03 degrees, but lobes that are a little off
-// count as outliers, too, and held-out photographs of canvas are predicted 0.1 dB worse.
-double robust_scale_after(double rms_residual, double first) {
-    return std::min(std::max(2.385 * rms_residual, 2.0), first);
-}
 
 // Of those that are fitted, the ones that say how pixels look.
 Image<unsigned char> mask_of_looks(const SampledPixels& asked, const Surface& surface,
@@ -79,11 +70,10 @@ public:
     // The first pass, up to its height; `look`: FirstLook of its result.
     void run_first(const LobeFreedom& lobes, const std::function<void(bool height_known)>& look);
     // All pixels once more, with the shadows of the first height and what neighbours say of lobes, and of
-    // occluded pixels as a whole; of `whole`, the same stack, whose pictures are `reduction` times larger.
-    // Returns which lights were seen where.
-    LightVisibility refine(const CalibratedStack& whole, const Image<unsigned char>& mask, int reduction,
-                           FitResult& result, const Progress& progress);
-    LightVisibility refine() { return refine(input_, mask_, 1, result_, progress_); }
+    // occluded pixels as a whole. Returns which lights were seen where.
+    LightVisibility refine();
+    // What is left to the pixels of pictures that are `reduction` times larger.
+    FirstFit first_fit(int reduction);
     // Instead of it, where the height is not believed.
     void trust_first();
 
@@ -174,19 +164,20 @@ void Passes::find_first_height() {
     subtract(plane_, surface_.height_mm);
 }
 
-LightVisibility Passes::refine(const CalibratedStack& whole, const Image<unsigned char>& mask, int reduction,
-                               FitResult& result, const Progress& progress) {
+LightVisibility Passes::refine() {
     fill_from_neighbours(occluded_, surface_, result_.errors);
-    if (reduction > 1) start_with(result_, reduction, result);
-    FirstPass first(surface_, plane_, result_.errors, options_.ward.prior, occluded_,
-                    result.surface.height_mm, reduction, static_cast<int>(whole.stack.photos.size()));
+    FirstPass first(surface_, plane_, result_.errors, options_.ward.prior, occluded_, surface_.height_mm, 1,
+                    static_cast<int>(input_.stack.photos.size()));
     FitOptions second = options_;
     second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options_.ward.robust_scale);
-    fit_pass(whole, second, {.name = "refine", .mask = mask, .first = &first}, result, progress);
-    if (reduction > 1) forget_unfitted(result.surface);
-    first.lights.find_runs(result.surface, whole.lighting);
-    fill_low_confidence(result.surface);
+    fit_pass(input_, second, {.name = "refine", .mask = mask_, .first = &first}, result_, progress_);
+    settle_refined(false, input_.lighting, first.lights, surface_);
     return std::move(first.lights);
+}
+
+FirstFit Passes::first_fit(int reduction) {
+    fill_from_neighbours(occluded_, surface_, result_.errors);
+    return {std::move(result_), std::move(occluded_), plane_, reduction};
 }
 
 void Passes::trust_first() {
@@ -222,28 +213,16 @@ bool explains_photographs(const FitReport& report) { return report.median_rms_re
 namespace {
 
 // Refines all pixels by one pass over the photographs, for which reduced ones have told what a first pass
-// tells. Nothing where they do not tell it: where the height is not believed, or where relief hides lights,
-// for each pixel others.
-std::optional<LightVisibility> refine_by_reduced(const CalibratedStack& whole, ReducedPhotos reduced,
-                                                 const FitOptions& options, const LobeFreedom& lobes,
-                                                 const FirstLook& look, FitResult& result,
-                                                 const Progress& progress) {
-    const int reduction = reduced.reduction();
-    const Image<unsigned char> mask = reduced_mask(whole.stack.mask, reduction);
-    const Progress shown([&](std::string_view stage, double done) {
-        return !progress || progress(fmt::format("reduced photographs: {}", stage), done);
-    });
-    CalibratedStack input = whole;
-    input.reduced = &reduced;
-    FitResult first = reduced_result(result, reduced);
-    Passes passes(input, mask, options, first, shown);
-    passes.run_first(lobes, [&](bool height_known) { look(first, reduction, height_known); });
-    if (!believes_height(first.report) || passes.refine().hidden_part() > kFewHidden) return {};
-    passes.distrust_occluded();
-    passes.find_first_height();
-    reduced = {};
-    result.report = first.report;
-    return passes.refine(whole, whole.stack.mask, reduction, result, progress);
+// tells.
+LightVisibility refine_by(const FirstFit& first, const CalibratedStack& whole, const FitOptions& options,
+                          FitResult& result, const Progress& progress) {
+    Surface& surface = result.surface;
+    surface.height_mm = enlarged_height(first, surface.width(), surface.height());
+    LightVisibility lights(0, 0, 0);
+    Refinement refinement(first, surface.height_mm, options);
+    summarise(refinement.fit(whole, whole.stack.mask, 0, result, lights, progress).front(), options, result);
+    settle_refined(true, whole.lighting, lights, surface);
+    return lights;
 }
 
 // Two passes over the photographs, or over the reduced ones where `input` has them.
@@ -261,6 +240,31 @@ LightVisibility fit_twice(const CalibratedStack& input, const FitOptions& option
 
 }  // namespace
 
+ReducedLook look_at_reduced(const CalibratedStack& whole, const ReducedPhotos& reduced,
+                            const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look,
+                            const FitResult& described, const Progress& progress) {
+    const int reduction = reduced.reduction();
+    const Image<unsigned char> mask = reduced_mask(whole.stack.mask, reduction);
+    const Progress shown([&](std::string_view stage, double done) {
+        return !progress || progress(fmt::format("reduced photographs: {}", stage), done);
+    });
+    CalibratedStack input = whole;
+    input.reduced = &reduced;
+    FitResult first = reduced_result(described, reduced);
+    Passes passes(input, mask, options, first, shown);
+    passes.run_first(lobes, [&](bool height_known) { look(first, reduction, height_known); });
+    ReducedLook seen;
+    seen.believed = believes_height(first.report);
+    seen.hidden = passes.refine().hidden_part();
+    passes.distrust_occluded();
+    passes.find_first_height();
+    seen.first = passes.first_fit(reduction);
+    seen.first.result.report.refined = true;
+    return seen;
+}
+
+bool ReducedLook::suffices() const { return believed && hidden <= kFewHidden; }
+
 LightVisibility fit_passes(const CalibratedStack& input, ReducedPhotos reduced, const FitOptions& options,
                            const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                            const Progress& progress) {
@@ -269,12 +273,14 @@ LightVisibility fit_passes(const CalibratedStack& input, ReducedPhotos reduced, 
         small.reduced = &reduced;
         return fit_twice(small, options, lobes, look, result, progress);
     }
-    if (!reduced.empty() && options.refine)
-        if (auto lights =
-                refine_by_reduced(input, std::move(reduced), options, lobes, look, result, progress)) {
-            result.report.refined = true;
-            return *std::move(lights);
+    if (!reduced.empty() && options.refine) {
+        const ReducedLook seen = look_at_reduced(input, reduced, options, lobes, look, result, progress);
+        reduced = {};
+        if (seen.suffices()) {
+            result.report = seen.first.result.report;
+            return refine_by(seen.first, input, options, result, progress);
         }
+    }
     return fit_twice(input, options, lobes, look, result, progress);
 }
 

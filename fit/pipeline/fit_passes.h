@@ -5,6 +5,7 @@
 
 #include "capture/stack/reduced_photos.h"
 #include "fit/pipeline/fit_painting.h"
+#include "fit/pipeline/refinement.h"
 #include "fit/shadows/light_visibility.h"
 
 namespace tangi {
@@ -29,6 +30,21 @@ struct LobeFreedom {
 LightVisibility fit_passes(const CalibratedStack& input, ReducedPhotos reduced, const FitOptions& options,
                            const LobeFreedom& lobes, const FirstLook& look, FitResult& result,
                            const Progress& progress);
+
+// The first pass of fit_passes() over the reduced photographs of a large stack, with a second one by which
+// its lobes and shadows are known.
+struct ReducedLook {
+    FirstFit first;
+    bool believed = false;  // hills and valleys are what they are, as far as the photographs tell
+    double hidden = 0;      // [1] part of all pixels' lights that relief hides
+    // Whether it tells what a first pass over the photographs themselves would: not where relief hides
+    // lights, for each pixel others.
+    bool suffices() const;
+};
+// `described`: has scale and law of the whole surface, whose maps are not looked at.
+ReducedLook look_at_reduced(const CalibratedStack& whole, const ReducedPhotos& reduced,
+                            const FitOptions& options, const LobeFreedom& lobes, const FirstLook& look,
+                            const FitResult& described, const Progress& progress);
 
 // Whether the residuals of the last pass are small enough to believe what it says of errors.
 bool explains_photographs(const FitReport& report);

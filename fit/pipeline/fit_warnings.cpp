@@ -2,7 +2,6 @@
 
 #include "fit/calibration/light_sample.h"
 #include "fit/exchange/float_scale.h"
-#include "fit/pipeline/fit_passes.h"
 
 namespace tangi {
 
@@ -77,6 +76,19 @@ void warn_of_exposure(Stack& stack, const Survey& surveyed, const FitReport& rep
                     stack.folder.string(),
                     100.0 * static_cast<double>(report.too_bright) / static_cast<double>(report.fitted),
                     diffuse_max, white_level));
+}
+
+std::string says_reduced_do_not_suffice(const Stack& stack, const ReducedLook& look) {
+    return fmt::format(
+        "{}: {}: of a picture that memory holds, fit without --plan looks at every pixel twice instead, and "
+        "knows "
+        "such places better",
+        stack.folder.string(),
+        look.believed
+            ? fmt::format("relief hides {:.1f} % of the light, and what it hides of single pixels the "
+                          "reduced photographs do not tell",
+                          100 * look.hidden)
+            : "the reduced photographs do not tell the relief");
 }
 
 void warn_of_unsure_pixels(Stack& stack, const FitReport& report) {

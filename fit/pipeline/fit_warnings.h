@@ -1,7 +1,7 @@
 // fit_warnings.h: what a user has to know of the photographs of a fit.
 #pragma once
 
-#include "fit/pipeline/fit_painting.h"
+#include "fit/pipeline/fit_passes.h"
 
 namespace tangi {
 
@@ -17,6 +17,9 @@ void warn_of_misfit(Stack& stack, const FitReport& report);
 // where it is not, as the white level is too low.
 void warn_of_exposure(Stack& stack, const Survey& surveyed, const FitReport& report, double diffuse_max,
                       double white_level);
+
+// Of a fit in steps, whose first pass is over reduced photographs, where these do not suffice.
+std::string says_reduced_do_not_suffice(const Stack& stack, const ReducedLook& look);
 
 // Many pixels whose slope the photographs hardly tell.
 void warn_of_unsure_pixels(Stack& stack, const FitReport& report);

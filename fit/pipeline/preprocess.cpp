@@ -49,17 +49,17 @@ void reject_duplicates(Stack& stack, Survey& surveyed, std::vector<RejectedPhoto
 }
 
 // To be filled in; of no stack where the picture is small.
-ReducedPhotos reduced_photos_of(const Stack& stack) {
-    const int reduction = ReducedPhotos::reduction_for(stack.width(), stack.height());
+ReducedPhotos reduced_photos_of(const Stack& stack, int least) {
+    const int reduction = std::max(ReducedPhotos::reduction_for(stack.width(), stack.height()), least);
     return reduction > 1 ? ReducedPhotos(stack, reduction) : ReducedPhotos();
 }
 
-Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progress) {
+Preprocessed look_once(Stack& stack, bool register_photos, int least_reduction, const Progress& progress) {
     Preprocessed result;
     warn_of_compression(stack);
     const std::vector<StackPhoto> all = stack.photos;
     PictureCollector collected(stack);
-    result.reduced = reduced_photos_of(stack);
+    result.reduced = reduced_photos_of(stack, least_reduction);
     const auto reduce = [&result](const Band& band) {
         if (!result.reduced.empty()) result.reduced.add(band);
     };
@@ -67,7 +67,8 @@ Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progr
         collected.add(band);
         reduce(band);
     });
-    if (take_full_scale(stack, result.survey)) return look_once(stack, register_photos, progress);
+    if (take_full_scale(stack, result.survey))
+        return look_once(stack, register_photos, least_reduction, progress);
     tell_pixels_without_number(stack, result.survey);
     reject_duplicates(stack, result.survey, result.rejected);
     result.turned_doubt = leave_out_turned(stack, result.survey, result.rejected);
@@ -88,7 +89,7 @@ Preprocessed look_once(Stack& stack, bool register_photos, const Progress& progr
         result.order_before = {check_list_order(result.survey, result.transfer.transfer, unregistered),
                                {before.begin(), before.begin() + static_cast<std::ptrdiff_t>(photos)}};
     require_enough_lights(stack.lights(), stack.folder.string());
-    result.reduced = reduced_photos_of(stack);
+    result.reduced = reduced_photos_of(stack, least_reduction);
     result.survey = survey(stack, {}, Progress([&](std::string_view, double done) {
                                return !progress || progress("survey as registered", done);
                            }),
@@ -136,7 +137,7 @@ std::vector<RejectedPhoto> leave_out_damaged_and_copies(Stack& stack, const Prog
         }
 }
 
-Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& progress) {
+Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& progress, int least_reduction) {
     const std::size_t all = stack.photos.size() + stack.held_out.size();
     std::vector<RejectedPhoto> damaged;
     while (true) {
@@ -144,7 +145,7 @@ Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& prog
         try {
             const std::string again = fmt::format("survey without {} damaged", damaged.size());
             Preprocessed result =
-                look_once(looked_at, register_photos,
+                look_once(looked_at, register_photos, least_reduction,
                           damaged.empty() ? progress : Progress([&](std::string_view stage, double done) {
                               return !progress || progress(stage == "survey" ? again : stage, done);
                           }));

@@ -32,8 +32,10 @@ struct Preprocessed {
 // Surveys the stack and takes photographs out of it that cannot be used, each with a warning that names it;
 // where asked for, also registers it, and where that moved something, surveys it once more as registered.
 // Photographs that turn out to be damaged when they are decoded are left out, and the others looked at anew.
-// Throws Error where too few remain, as require_few().
-Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& progress);
+// `least_reduction`: of Preprocessed::reduced, 1 of pictures that need none. Throws Error where too few
+// remain, as require_few().
+Preprocessed preprocess(Stack& stack, bool register_photos, const Progress& progress,
+                        int least_reduction = 1);
 
 // The part of it that knows nothing of lights: takes photographs that are damaged, or the same picture as
 // another (duplicate_photos.h), out of stack.photos, with a warning for each, and returns them. Throws Error

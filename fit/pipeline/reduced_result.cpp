@@ -3,13 +3,20 @@
 #include <algorithm>
 
 #include "surface/image/enlarged.h"
+#include "surface/maps/surface_part.h"
 
 namespace tangi {
 
 namespace {
 
-Image<Rgb> enlarged_colours(const Image<Rgb>& colours, int reduction, int width, int height) {
-    Image<Rgb> result = enlarged_linearly(colours, reduction, width, height);
+// Of the painting, where a surface is.
+Region place_of(const Surface& surface) {
+    const glm::ivec2 corner = in_painting(surface, 0, 0);
+    return {corner.x, corner.y, corner.x + surface.width(), corner.y + surface.height()};
+}
+
+Image<Rgb> enlarged_colours(const Image<Rgb>& colours, int reduction, const Region& part) {
+    Image<Rgb> result = enlarged_linearly(colours, reduction, part);
     for (Rgb& colour : result.pixels()) colour /= std::max({colour.r, colour.g, colour.b});
     return result;
 }
@@ -23,7 +30,7 @@ void enlarge_lobes(const Surface& first, int reduction, Surface& surface) {
             first.lobe_axes.empty() ? Stretch(0) : stretch_of(first.lobe_axes.pixels()[i], alpha);
         lobes.pixels()[i] = {stretch, alpha};
     }
-    lobes = enlarged_linearly(lobes, reduction, surface.width(), surface.height());
+    lobes = enlarged_linearly(lobes, reduction, place_of(surface));
     if (!first.lobe_axes.empty()) surface.lobe_axes = Image<LobeAxes>(surface.width(), surface.height());
     for (std::size_t i = 0; i < lobes.size(); ++i) {
         const Vec3& lobe = lobes.pixels()[i];
@@ -44,14 +51,12 @@ FitResult reduced_result(const FitResult& result, const ReducedPhotos& photos) {
     return first;
 }
 
-void start_with(const FitResult& first, int reduction, FitResult& result) {
-    Surface& surface = result.surface;
-    const int width = surface.width(), height = surface.height();
-    surface.height_mm = enlarged_smoothly(first.surface.height_mm, reduction, width, height);
-    surface.diffuse = enlarged_linearly(first.surface.diffuse, reduction, width, height);
-    if (!first.surface.specular_colour.empty())
-        surface.specular_colour = enlarged_colours(first.surface.specular_colour, reduction, width, height);
-    enlarge_lobes(first.surface, reduction, surface);
+void start_with(const Surface& first, int reduction, Surface& surface) {
+    const Region part = place_of(surface);
+    surface.diffuse = enlarged_linearly(first.diffuse, reduction, part);
+    if (!first.specular_colour.empty())
+        surface.specular_colour = enlarged_colours(first.specular_colour, reduction, part);
+    enlarge_lobes(first, reduction, surface);
 }
 
 void forget_unfitted(Surface& surface) {

@@ -9,9 +9,9 @@ namespace tangi {
 // Empty maps for the reduced photographs, with all else that `result` has.
 FitResult reduced_result(const FitResult& result, const ReducedPhotos& photos);
 
-// Makes the height, ρd, and the colours and axes of lobes of `result` those of `first`, enlarged. Confidence
-// stays 0.
-void start_with(const FitResult& first, int reduction, FitResult& result);
+// Makes ρd, and the colours and axes of lobes of a surface, which may be a part of a painting
+// (Surface::part_of), those of `first`, enlarged. Confidence stays 0.
+void start_with(const Surface& first, int reduction, Surface& surface);
 
 // Pixels of a result that was started so, but were not fitted then, become like those of an empty surface.
 void forget_unfitted(Surface& surface);

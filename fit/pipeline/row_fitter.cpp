@@ -5,6 +5,7 @@
 
 #include "fit/material/occluded_pixels.h"
 #include "fit/material/specular_colour.h"
+#include "surface/maps/surface_part.h"
 
 namespace tangi {
 
@@ -67,8 +68,9 @@ PixelSamples& RowFitter::samples_at(const Band& band, int x, int y, const Surfac
             samples_.value[at] = value;
             samples_.sigma[at] = noise_.sigma(value);
         }
+    const glm::ivec2 at_relief = in_painting(surface, x, y);
     for (std::size_t i = 0; known.shadows && i < samples_.light.size(); ++i)
-        samples_.visible[i] = known.shadows->visible_part(x, y, Vec3(samples_.light[i]));
+        samples_.visible[i] = known.shadows->visible_part(at_relief.x, at_relief.y, Vec3(samples_.light[i]));
     return samples_;
 }
 
@@ -100,9 +102,10 @@ WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& 
 
 // What the relief leaves of the lights on the lanes of the batch. Most lights are above any horizon, which is
 // cheap to see.
-void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
+void RowFitter::shade(const CastShadows& shadows, const glm::ivec2& first, int count) {
     WardLane steepest;
-    for (int lane = 0; lane < count; ++lane) steepest[lane] = shadows.steepest_horizon(x0 + lane, y);
+    for (int lane = 0; lane < count; ++lane)
+        steepest[lane] = shadows.steepest_horizon(first.x + lane, first.y);
     for (std::size_t i = 0; i < batch_.light.size(); ++i) {
         const auto& [lx, ly, lz] = batch_.light[i];
         std::uint32_t doubtful = 0;
@@ -111,7 +114,7 @@ void RowFitter::shade(const CastShadows& shadows, int x0, int y, int count) {
             doubtful |= std::uint32_t{!shadows.clears(steepest[lane], across, lz[lane])} << lane;
         }
         if (doubtful != 0)
-            shadows.visible_parts(x0, y, {lx.data(), ly.data(), lz.data()}, doubtful,
+            shadows.visible_parts(first.x, first.y, {lx.data(), ly.data(), lz.data()}, doubtful,
                                   batch_.visible[i].data());
     }
 }
@@ -150,7 +153,7 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
             if (known.specular_colour)
                 divide_lane_by_specular_colour(known.specular_colour(x0 + lane, y), lane);
         }
-        if (known.shadows) shade(*known.shadows, x0, y, count);
+        if (known.shadows) shade(*known.shadows, in_painting(surface, x0, y), count);
         batches_.fit(batch_);
     }
 }
@@ -238,23 +241,27 @@ void RowFitter::fit_in_shade(const Band& band, int first, const Surface& surface
 
 void RowFitter::judge(const Band& band, int x, int y, const RowTask& task, const WardSolution& solution,
                       WardEstimate& e) {
-    const bool compared = is_compared(x, y, task.surface.width(), task.surface.height());
+    const glm::ivec2 at = in_painting(task.surface, x, y), size = painting_size(task.surface);
+    const bool compared = is_compared(at.x, at.y, size.x, size.y);
     if (!solution.doubtful && !compared) return;
     const WardEstimate other = by_ceres(band, x, y, task.surface, task.known);
     const double ratio =
         e.rms_residual * e.rms_residual / std::max(other.rms_residual * other.rms_residual, 1e-12);
+    const auto tile = static_cast<std::size_t>(task.tile > 0 ? x / task.tile : 0);
+    if (agreement_.size() <= tile) agreement_.resize(tile + 1);
+    SolverAgreement& agreement = agreement_[tile];
     if (compared && e.valid && other.valid) {
         const bool agrees = std::abs(ratio - 1) <= 0.01;
-        ++agreement_.compared;
-        agreement_.cost_agrees += agrees;
-        agreement_.cheaper += !agrees && ratio < 1;
-        agreement_.slope_agrees += glm::length(e.slope - other.slope) <= 0.01;
+        ++agreement.compared;
+        agreement.cost_agrees += agrees;
+        agreement.cheaper += !agrees && ratio < 1;
+        agreement.slope_agrees += glm::length(e.slope - other.slope) <= 0.01;
     }
     if (!solution.doubtful) return;
-    ++agreement_.doubtful;
+    ++agreement.doubtful;
     // Not a number is not below anything.
     if (!other.valid || (e.valid && ratio <= 1)) return;
-    ++agreement_.polished;
+    ++agreement.polished;
     e = other;
 }
 

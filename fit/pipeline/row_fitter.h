@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fit/pixel/batch_sampler.h"
 #include "fit/pixel/lighting.h"
@@ -39,7 +40,7 @@ bool is_compared(int x, int y, int width, int height);
 struct PixelKnowledge {
     std::function<WardPrior(int x, int y)> prior;
     std::function<glm::dvec2(int x, int y)> stretch{};   // that of the prior
-    const CastShadows* shadows = nullptr;                // of the relief
+    const CastShadows* shadows = nullptr;                // of the relief of the whole painting
     std::function<Rgb(int x, int y)> specular_colour{};  // as Surface::specular_colour
     // As find_occluded_pixels(), of a surface on which the neighbours stand in for them.
     std::function<bool(int x, int y)> occluded{};
@@ -53,6 +54,7 @@ struct RowTask {
     const PixelKnowledge& known;
     const Image<unsigned char>& mask;  // pixels that are fitted; empty: all
     bool judged = true;                // with batches: whether Ceres has a say
+    int tile = 0;  // [pixels] width of the tiles of which solvers are compared apart; 0: all are one
 };
 
 // Keeps its memory; one a thread. Keeps references to lighting and noise.
@@ -71,7 +73,7 @@ public:
     PixelSamples& samples_at(const Band& band, int x, int y, const Surface& surface,
                              const PixelKnowledge& known);
 
-    const SolverAgreement& agreement() const { return agreement_; }
+    const std::vector<SolverAgreement>& agreement() const { return agreement_; }  // of each tile, or fewer
 
 private:
     void fit_by_ceres(const Band& band, int y0, int y1, const RowTask& task, const Done& done);
@@ -85,7 +87,7 @@ private:
                    const Surface& surface, const PixelKnowledge& known);
     void look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known);
     void divide_lane_by_specular_colour(const Rgb& colour, int lane);
-    void shade(const CastShadows& shadows, int x0, int y, int count);
+    void shade(const CastShadows& shadows, const glm::ivec2& first, int count);
     // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.
     void judge(const Band& band, int x, int y, const RowTask& task, const WardSolution& solution,
                WardEstimate& estimate);
@@ -117,7 +119,7 @@ private:
     WardBounds bounds_;
     PixelSamples samples_;
     WardPrior prior_;
-    SolverAgreement agreement_;
+    std::vector<SolverAgreement> agreement_;
 };
 
 }  // namespace tangi

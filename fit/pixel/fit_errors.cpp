@@ -34,16 +34,18 @@ PartToWrite part_of(const FitErrors& errors) {
     return part;
 }
 
+std::optional<PartInfo> errors_part(const std::vector<PartInfo>& parts) {
+    const auto part = std::ranges::find(parts, kPart, &PartInfo::name);
+    return part == parts.end() ? std::nullopt : std::optional(*part);
+}
+
 bool has_errors(const std::filesystem::path& painting) {
-    const std::vector<PartInfo> parts = painting_parts(painting);
-    return std::any_of(parts.begin(), parts.end(), [](const PartInfo& p) { return p.name == kPart; });
+    return errors_part(painting_parts(painting)).has_value();
 }
 
 FitErrors read_errors(const std::filesystem::path& painting, const Progress& progress) {
-    const std::vector<PartInfo> parts = painting_parts(painting);
-    const auto part =
-        std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) { return p.name == kPart; });
-    if (part == parts.end())
+    const std::optional<PartInfo> part = errors_part(painting_parts(painting));
+    if (!part)
         fail("{}: has no part '{}'; fit the photographs again with: tangipaint fit", painting.string(),
              kPart);
     if (part->channels != kChannels && part->channels != kWithoutHeight)

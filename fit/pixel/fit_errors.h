@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <optional>
 
 #include "surface/image/image.h"
 #include "surface/painting_file/painting_parts.h"
@@ -46,6 +47,8 @@ struct FitErrors {
 PartToWrite part_of(const FitErrors& errors);
 
 bool has_errors(const std::filesystem::path& painting);
+// The same among the parts of a painting that is read by rectangles.
+std::optional<PartInfo> errors_part(const std::vector<PartInfo>& parts);
 
 // Throws Error: no such part, or other channels in it.
 FitErrors read_errors(const std::filesystem::path& painting, const Progress& progress = {});

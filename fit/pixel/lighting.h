@@ -16,6 +16,7 @@ namespace tangi {
 
 struct Stack;
 class ReducedPhotos;
+class StackReader;
 
 struct Lighting {
     std::vector<Light> lights;  // one a photograph
@@ -62,6 +63,11 @@ struct CalibratedStack {
     const NoiseModel& noise;
     const Lighting& lighting;                // in the order of stack.photos
     const ReducedPhotos* reduced = nullptr;  // read instead of the stack's photographs where it is given
+    // Read instead of a new one where it is given: of a stack that this one has all columns of, and whose row
+    // `first_row` is this one's row 0. So what goes on below goes on where it is, and nothing is decoded
+    // twice.
+    StackReader* reader = nullptr;
+    int first_row = 0;
 };
 
 }  // namespace tangi

@@ -272,4 +272,17 @@ nlohmann::json to_json(const ResidualReport& report) {
             {"bytes", report.bytes}};
 }
 
+ResidualFit try_residual(Surface& surface, const Stack& stack, const ResidualOptions& options,
+                         std::vector<std::string>& warnings, const Progress& progress) {
+    ResidualFit residual;
+    try {
+        residual = fit_residual(surface, stack, options, progress);
+    } catch (const Error& error) {
+        warnings.push_back(fmt::format("no residual is stored: {}", error.what()));
+        residual.report.why = error.what();
+    }
+    if (!residual.report.used) surface.provenance = with_residual_in_vain(surface.provenance);
+    return residual;
+}
+
 }  // namespace tangi

@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "capture/stack/stack.h"
 #include "surface/base/options.h"
@@ -71,5 +72,10 @@ struct ResidualFit {
 // sizes that differ; Cancelled.
 ResidualFit fit_residual(const Surface& surface, const Stack& stack, const ResidualOptions& options = {},
                          const Progress& progress = {});
+
+// The same as a last step, for which the fit before it is not lost: where photographs can no longer be read,
+// that is a warning. Where there is none, the surface's provenance says that it was looked for.
+ResidualFit try_residual(Surface& surface, const Stack& stack, const ResidualOptions& options,
+                         std::vector<std::string>& warnings, const Progress& progress = {});
 
 }  // namespace tangi

@@ -7,6 +7,7 @@
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
 #include "surface/base/vector_clones.h"
+#include "surface/maps/surface_part.h"
 
 namespace tangi {
 
@@ -42,7 +43,8 @@ Lanes lanes_of(const Surface& surface, const CastShadows& shadows, int x0, int y
             lanes.normal[at][lane] = surface.normal(x, y)[c];
             lanes.diffuse[at][lane] = surface.diffuse(x, y)[c];
         }
-        lanes.horizon[lane] = shadows.steepest_horizon(x, y);
+        const glm::ivec2 at_relief = in_painting(surface, x, y);
+        lanes.horizon[lane] = shadows.steepest_horizon(at_relief.x, at_relief.y);
         lanes.known[lane] = surface.confidence(x, y) > kSlopeKnown && is_matt(surface, x, y) ? 1.0f : 0.0f;
     }
     return lanes;
@@ -110,6 +112,14 @@ LightVisibility::LightVisibility(int width, int height, int photos)
     TP_REQUIRE(photos <= std::numeric_limits<std::uint16_t>::max(), "as many photographs as can be named");
 }
 
+void LightVisibility::add(int y, std::span<const SeenLight> lights, int x0) {
+    std::vector<SeenLight>& row = rows_[static_cast<std::size_t>(y)];
+    for (SeenLight light : lights) {
+        light.x += static_cast<std::uint32_t>(x0);
+        row.push_back(light);
+    }
+}
+
 bool LightVisibility::empty() const {
     return std::all_of(rows_.begin(), rows_.end(), [](const auto& row) { return row.empty(); });
 }
@@ -125,6 +135,7 @@ double LightVisibility::hidden_part() const {
 void LightVisibility::look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0,
                            int y, int count) {
     const Lanes lanes = lanes_of(surface, shadows, x0, y, count);
+    const glm::ivec2 at_relief = in_painting(surface, x0, y);
     std::vector<SeenLight>& row = rows_[static_cast<std::size_t>(y)];
     Shown shown;
     for (std::size_t photo = 0; photo < batch.light.size(); ++photo) {
@@ -134,7 +145,8 @@ void LightVisibility::look(const WardBatch& batch, const Surface& surface, const
         if (lit != 0) {
             WardLane parts;
             const auto& [to_x, to_y, to_z] = shown.lower;
-            shadows.visible_parts(x0, y, {to_x.data(), to_y.data(), to_z.data()}, lit, parts.data());
+            shadows.visible_parts(at_relief.x, at_relief.y, {to_x.data(), to_y.data(), to_z.data()}, lit,
+                                  parts.data());
             for (int lane = 0; lane < count; ++lane)
                 if ((lit >> lane & 1) && parts[lane] == 1) lit &= ~(std::uint32_t{1} << lane);
         }

@@ -32,10 +32,14 @@ public:
 
     // Pixels (x0, y) … (x0 + count - 1, y) of the batch, under lights of their own colour: what a matt
     // surface of this normal and rho_d would show, and what there is. Half lights count for nothing, nor do
-    // lights that graze the surface, metal, and pixels whose slope is not known. `shadows`: of the surface's
-    // height.
+    // lights that graze the surface, metal, and pixels whose slope is not known. `shadows`: of the height of
+    // the painting that the surface is, or is a part of.
     void look(const WardBatch& batch, const Surface& surface, const CastShadows& shadows, int x0, int y,
               int count);
+
+    // Those of a part that was looked at on its own, before find_runs(): parts of a row from left to right.
+    // `x0`: of the part.
+    void add(int y, std::span<const SeenLight> lights, int x0);
 
     // When all rows are there: finds the runs, and forgets shadows that reach the border of the picture
     // towards the light, since what casts them may stand outside. One bit a pixel for each thread.

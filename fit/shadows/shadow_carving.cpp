@@ -72,7 +72,8 @@ private:
         float rise_mm = 0;  // by how much
         float cost = std::numeric_limits<float>::max();  // [1] of that, squared, over its variance
     };
-    March march(int x, int y, const Ray& ray, const SeenLight& light) const;
+    // `highest_mm`: of all that it may meet, and of what may stand beyond the picture where it may leave it.
+    March march(int x, int y, float highest_mm, const Ray& ray, const SeenLight& light) const;
     void find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const;
     Place place_at(float x, float y) const;
     float at(const Place& place, const Field& field) const;
@@ -151,10 +152,10 @@ float Carving::at(const Place& place, const Field& field) const {
     return a + place.down * (b - a);
 }
 
-Carving::March Carving::march(int x, int y, const Ray& ray, const SeenLight& light) const {
+Carving::March Carving::march(int x, int y, float highest_mm, const Ray& ray, const SeenLight& light) const {
     const auto [dx, dy, climb] = ray;
     March found;
-    const float z0 = z_(x, y), most = highest_ - z0;
+    const float z0 = z_(x, y), most = highest_mm - z0;
     float loose = loose_(x, y);
     found.top = std::numeric_limits<float>::lowest();
     for (int distance = 1; distance <= kShadowReach; ++distance) {
@@ -194,14 +195,17 @@ Pair Carving::pair_of(int x, int y, const Ray& ray, int distance, float off_mm) 
 }
 
 void Carving::find_in_row(int y, const CastShadows& shadows, std::vector<Pair>& pairs, long& seen) const {
+    const bool inside = y >= kShadowReach && y < height_ - kShadowReach;
     for (const SeenLight& light : lights_.row(y)) {
         const auto x = static_cast<int>(light.x);
+        const bool leaves_none = inside && x >= kShadowReach && x < width_ - kShadowReach;
+        const float highest_mm = leaves_none ? shadows.highest_within(x, y, kShadowReach) : highest_;
         const Vec3 l =
             incidence(lighting_.lights[light.photo], surface_.point_mm(x, y), lighting_.rig).direction;
         const float across = std::hypot(l.x, l.y);
         if (!(across > 0.1f)) continue;
         const Ray ray{l.x / across, -l.y / across, l.z / across * mm_};
-        const March met = march(x, y, ray, light);
+        const March met = march(x, y, highest_mm, ray, light);
         ++seen;
         const bool hidden = met.hides > 0 && met.top > ray.climb;
         if (hidden != light.lit) continue;

@@ -5,6 +5,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/vector_clones.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -99,7 +100,7 @@ BristleLoads::BristleLoads(int half_u, int half_v, int half)
 
 template <class Body>
 void BristleLoads::for_rows(const Body& body) const {
-    const double c = std::cos(rotation_rad_), s = std::sin(rotation_rad_);
+    const double c = portable::cos(rotation_rad_), s = portable::sin(rotation_rad_);
     for (int y = -half_; y <= half_; ++y) {
         double low = -half_, high = half_;
         const auto within = [&](double slope, double offset, double half) {  // |slope x + offset| <= half

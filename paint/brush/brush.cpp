@@ -8,6 +8,7 @@
 
 #include "paint/exchange/transfer.h"
 #include "surface/base/error.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -28,7 +29,7 @@ Brush::Brush(const BrushSettings& settings, double mm_per_pixel, std::uint64_t s
     half_thickness_px_ = std::max(thickness_px_ / 2, kLeastHalf_px);
     if (half_width_px_ > width_px_ / 2 || half_thickness_px_ > thickness_px_ / 2)
         coverage_ = width_px_ * thickness_px_ / (4 * half_width_px_ * half_thickness_px_);
-    const double widest = (1 + settings.splay) * std::hypot(half_width_px_, half_thickness_px_);
+    const double widest = (1 + settings.splay) * portable::hypot(half_width_px_, half_thickness_px_);
     if (widest > 2000)
         fail("a brush of {} mm is {} pixels wide here; at most 2800 can be painted with", settings.size_mm,
              std::lround(2 * half_width_px_));
@@ -145,7 +146,7 @@ void Brush::put_back(const BrushLoad& load) {
     const auto size = static_cast<std::size_t>(grid_size());
     TP_REQUIRE(load.total_mm.size() == size * size && load.mm.size() == load.ingredients.size(),
                "a load of this brush");
-    const float c = std::cos(load.rotation_rad), s = std::sin(load.rotation_rad);
+    const float c = portable::cos(load.rotation_rad), s = portable::sin(load.rotation_rad);
     const int half_u = loads_.half_u(), half_v = loads_.half_v();
     std::vector<std::vector<float>> all;
     for (const auto& plane : load.mm) {

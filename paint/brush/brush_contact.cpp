@@ -4,6 +4,8 @@
 
 #include "paint/brush/brush.h"
 
+#include "surface/math/portable_math.h"
+
 namespace tangi {
 
 namespace {
@@ -14,7 +16,7 @@ constexpr double kSide_mm = 1.6;     // width of the sides, out of which paint i
 
 // Length of a contact with these half extents along the motion.
 double length_along(const Dab& dab, double half_width, double half_thickness) {
-    const double along = dab.dx * std::cos(dab.rotation_rad) + dab.dy * std::sin(dab.rotation_rad);
+    const double along = dab.dx * portable::cos(dab.rotation_rad) + dab.dy * portable::sin(dab.rotation_rad);
     return 2 * std::sqrt(half_width * half_width * along * along +
                          half_thickness * half_thickness * (1 - along * along));
 }
@@ -43,7 +45,7 @@ void Brush::contact_centre(const Dab& dab, double& x, double& y) const {
 void Brush::reach_px(const Dab& dab, int& half_x, int& half_y) const {
     const double widening = 1 + settings_.splay * dab.pressure;
     const double a = widening * half_width_px_, b = widening * half_thickness_px_;
-    const double c = std::abs(std::cos(dab.rotation_rad)), s = std::abs(std::sin(dab.rotation_rad));
+    const double c = std::abs(portable::cos(dab.rotation_rad)), s = std::abs(portable::sin(dab.rotation_rad));
     half_x = std::min(static_cast<int>(std::ceil(a * c + b * s)) + kMargin, half_);
     half_y = std::min(static_cast<int>(std::ceil(a * s + b * c)) + kMargin, half_);
 }
@@ -73,7 +75,7 @@ BrushSides Brush::sides(const Dab& dab, int x0, int y0) const {
     sides.ax = -dab.dy;
     sides.ay = dab.dx;
     sides.a0 = static_cast<float>(sides.ax * (x0 - x) + sides.ay * (y0 - y));
-    const float c = std::cos(dab.rotation_rad), s = std::sin(dab.rotation_rad);
+    const float c = portable::cos(dab.rotation_rad), s = portable::sin(dab.rotation_rad);
     const float u = c * sides.ax + s * sides.ay, v = c * sides.ay - s * sides.ax;
     const float widening = 1 + static_cast<float>(settings_.splay) * dab.pressure;
     const float dome = flattened(dab.pressure);
@@ -91,8 +93,8 @@ StandingTip Brush::standing(const Dab& dab, int x0, int y0) const {
     tip.map = tip_.map();
     tip.x = static_cast<float>(x - x0);
     tip.y = static_cast<float>(y - y0);
-    tip.cosine = std::cos(dab.rotation_rad);
-    tip.sine = std::sin(dab.rotation_rad);
+    tip.cosine = portable::cos(dab.rotation_rad);
+    tip.sine = portable::sin(dab.rotation_rad);
     tip.narrowing = 1 / (1 + static_cast<float>(settings_.splay) * dab.pressure);
     tip.touched = flattened(dab.pressure);
     tip.band_px = static_cast<float>(
@@ -117,8 +119,9 @@ float Brush::gap_mm(float pressure) const {
 
 TipOutline Brush::outline(const Dab& dab) const {
     const double widening = 1 + settings_.splay * dab.pressure;
-    return {(half_width_px_ + 1) * widening, (half_thickness_px_ + 1) * widening, std::cos(dab.rotation_rad),
-            std::sin(dab.rotation_rad), traits_of(settings_.shape).elliptic};
+    return {(half_width_px_ + 1) * widening, (half_thickness_px_ + 1) * widening,
+            portable::cos(dab.rotation_rad), portable::sin(dab.rotation_rad),
+            traits_of(settings_.shape).elliptic};
 }
 
 UndersideRow Brush::underside_of(const Dab& dab, float gap_mm, float groove_mm) const {
@@ -126,8 +129,8 @@ UndersideRow Brush::underside_of(const Dab& dab, float gap_mm, float groove_mm) 
     UndersideRow row{};
     row.u = static_cast<float>(tip_.half_u());
     row.v = static_cast<float>(tip_.half_v());
-    row.du = std::cos(dab.rotation_rad) * narrowing;
-    row.dv = -std::sin(dab.rotation_rad) * narrowing;
+    row.du = portable::cos(dab.rotation_rad) * narrowing;
+    row.dv = -portable::sin(dab.rotation_rad) * narrowing;
     row.gap_mm = gap_mm;
     row.groove_mm = groove_mm;
     row.rise_mm = 2 * static_cast<float>(settings_.depth_mm);

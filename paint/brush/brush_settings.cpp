@@ -1,6 +1,7 @@
 #include "paint/brush/brush_settings.h"
 
 #include "surface/base/error.h"
+#include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 
@@ -223,14 +224,7 @@ nlohmann::json brush_to_json(const BrushSettings& settings) {
 
 std::map<std::string, BrushSettings> read_brush_presets(const std::filesystem::path& path,
                                                         std::vector<std::string>* warnings) {
-    const std::string text = read_text_file(path);
-    nlohmann::json root;
-    try {
-        root = parse_json(text, path.string());
-    } catch (const nlohmann::json::parse_error& error) {
-        fail("{}:{}: is not JSON as files of brushes are: {}", path.string(), line_of(text, error.byte),
-             why_no_json(text, error.byte));
-    }
+    const nlohmann::json root = read_json(read_text_file(path), path.string());
     if (!root.is_object() || root.value("format", nlohmann::json()) != "tangipaint brushes")
         fail("{}: is not a file of brushes; it must have \"format\": \"tangipaint brushes\"", path.string());
     if (!root.contains("version")) fail("{}: has no \"version\"; it must be 1", path.string());

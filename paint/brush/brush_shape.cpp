@@ -4,21 +4,22 @@
 #include <cmath>
 
 #include "surface/base/noise.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
 float round_dome(float u, float v, std::uint64_t) { return u * u + v * v; }
 
-float flat_dome(float u, float v, std::uint64_t) { return std::pow(std::abs(u), 10.0f) + v * v; }
+float flat_dome(float u, float v, std::uint64_t) { return portable::pow(std::abs(u), 10.0f) + v * v; }
 
-float filbert_dome(float u, float v, std::uint64_t) { return std::pow(std::abs(u), 3.0f) + v * v; }
+float filbert_dome(float u, float v, std::uint64_t) { return portable::pow(std::abs(u), 3.0f) + v * v; }
 
-float knife_dome(float u, float v, std::uint64_t) { return std::pow(std::abs(u), 16.0f) + v * v; }
+float knife_dome(float u, float v, std::uint64_t) { return portable::pow(std::abs(u), 16.0f) + v * v; }
 
 // An arc of tufts.
 float fan_dome(float u, float v, std::uint64_t) {
     const float along = v + 1.6f * (u * u - 0.4f);
-    return std::pow(std::abs(u), 10.0f) + along * along;
+    return portable::pow(std::abs(u), 10.0f) + along * along;
 }
 
 // With folds.

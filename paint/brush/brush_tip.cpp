@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "surface/base/noise.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -57,7 +58,7 @@ float steepest_of(const std::vector<float>& map, int width) {
         if (i % static_cast<std::size_t>(width) != 0) along = std::max(along, std::abs(map[i] - map[i - 1]));
     for (auto i = static_cast<std::size_t>(width); i < map.size(); ++i)
         across = std::max(across, std::abs(map[i] - map[i - static_cast<std::size_t>(width)]));
-    return 1.01f * std::hypot(along, across) + 1e-3f;
+    return 1.01f * portable::hypot(along, across) + 1e-3f;
 }
 
 }  // namespace
@@ -165,8 +166,8 @@ void BrushTip::find_reach() {
                 if (first > last) continue;
                 for (std::size_t i = 0; i < kDirections; ++i) {
                     const float angle = static_cast<float>(i) * kPerDirection;
-                    reach[i] = std::max(
-                        reach[i], std::cos(angle) * static_cast<float>(u) + std::sin(angle) * fv + 0.5f);
+                    reach[i] = std::max(reach[i], portable::cos(angle) * static_cast<float>(u) +
+                                                      portable::sin(angle) * fv + 0.5f);
                 }
             }
         }
@@ -175,14 +176,15 @@ void BrushTip::find_reach() {
 
 // Between the two levels as a power of the dome, which tips are.
 float BrushTip::reach_px(float u, float v, float dome) const {
-    const float at = std::atan2(v, u) / kPerDirection + static_cast<float>(kDirections);
+    const float at = portable::atan2(v, u) / kPerDirection + static_cast<float>(kDirections);
     const auto before = static_cast<std::size_t>(at);
     const auto towards = [&](const std::vector<float>& reach) {
         const float a = reach[before % kDirections], b = reach[(before + 1) % kDirections];
         return std::max(a + (b - a) * (at - static_cast<float>(before)), 0.5f);
     };
     const float rim = towards(reach_px_[0]);
-    return rim * std::pow(towards(reach_px_[1]) / rim, std::log(std::max(dome, 1e-3f)) / std::log(kInner));
+    return rim * portable::pow(towards(reach_px_[1]) / rim,
+                               portable::log(std::max(dome, 1e-3f)) / portable::log(kInner));
 }
 
 float BrushTip::fresh_load_mm(float u, float v, float middle_mm) const {

@@ -12,6 +12,7 @@
 #include "paint/optics/kubelka_munk.h"
 #include "surface/base/parallel.h"
 #include "surface/maps/surface_part.h"
+#include "surface/math/portable_math.h"
 #include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
@@ -82,7 +83,7 @@ std::vector<Rgb> thesis_colours(const std::vector<PartOfTile>& layers, std::vect
             float mm = 0;
             for (std::size_t k = 0; k < volumes.size(); ++k) mm += volumes[k] = (*planes[k])[i];
             if (!(mm > 0)) continue;
-            const float covered = 1 - std::exp(-mm / static_cast<float>(options.covering_mm));
+            const float covered = 1 - portable::exp(-mm / static_cast<float>(options.covering_mm));
             dry[i] += covered * (srgb.decode(thesis_mixture_srgb(masstones, volumes)) - dry[i]);
         }
     }
@@ -275,7 +276,7 @@ Image<float> bare_part(const Canvas& canvas, const AppearanceOptions& options) {
     Image<float> part(canvas.width(), canvas.height());
     for (const PaintLayer* layer : layers_of(canvas))
         layer->add_thickness_mm(part.region(), part.data(), static_cast<std::size_t>(part.width()));
-    for (float& mm : part.pixels()) mm = std::exp(-mm / static_cast<float>(options.covering_mm));
+    for (float& mm : part.pixels()) mm = portable::exp(-mm / static_cast<float>(options.covering_mm));
     return part;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "paint/canvas/appearance_rows.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -55,7 +56,7 @@ Slope slope_below(const Surface& dry, int x, int y, float levelling_mm) {
     const Slope of_height = {
         (h(right, y) - h(left, y)) / (static_cast<float>(std::max(right - left, 1)) * unit),
         (h(x, up) - h(x, down)) / (static_cast<float>(std::max(down - up, 1)) * unit)};
-    const float through = std::exp(-levelling_mm / kLevelled_mm);
+    const float through = portable::exp(-levelling_mm / kLevelled_mm);
     return {of_height.x + through * (measured.x - of_height.x),
             of_height.y + through * (measured.y - of_height.y)};
 }

@@ -42,6 +42,17 @@ Canvas::Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_
     wet_ = PaintLayer(width(), height());
 }
 
+void Canvas::lie_on(std::shared_ptr<const Surface> dry) {
+    const auto same_relief = [this](const Surface& other) {
+        const auto &a = dry_->height_mm.pixels(), &b = other.height_mm.pixels();
+        return other.width() == width() && std::equal(a.begin(), a.end(), b.begin(), b.end());
+    };
+    TP_REQUIRE(dry && dry->mm_per_pixel == dry_->mm_per_pixel && dry->scale_known == dry_->scale_known &&
+                   same_relief(*dry),
+               "the dry surface has the relief of the one before");
+    dry_ = std::move(dry);
+}
+
 IngredientId Canvas::add(const Pigment& ingredient) {
     const auto found = std::find_if(ingredients_.begin(), ingredients_.end(), [&](const Pigment& p) {
         return p.name == ingredient.name && p.k == ingredient.k && p.s == ingredient.s &&

@@ -1,4 +1,5 @@
-// canvas.h: what is painted on: a dry surface that never changes, layers of dried paint, and wet paint.
+// canvas.h: what is painted on: a dry surface whose relief never changes, layers of dried paint, and wet
+// paint.
 //
 // Pixels are those of the dry surface: row 0 at the top. Heights add: what a brush meets is the dry surface
 // plus the dried layers plus the wet paint.
@@ -43,6 +44,10 @@ public:
     // Throws ContractError where there is no surface or it has no pixels, Error where its scale is known to
     // be another.
     explicit Canvas(std::shared_ptr<const Surface> dry, std::optional<double> mm_per_pixel = {});
+
+    // Lies on another dry surface of the same relief and scale, of other colour or gloss: as if all had been
+    // painted on that, since brushes meet relief alone. Throws ContractError where relief or scale differ.
+    void lie_on(std::shared_ptr<const Surface> dry);
 
     const Surface& dry() const { return *dry_; }
     const std::shared_ptr<const Surface>& dry_shared() const { return dry_; }

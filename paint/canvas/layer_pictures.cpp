@@ -4,6 +4,7 @@
 #include <glm/common.hpp>
 
 #include "surface/base/error.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -34,7 +35,7 @@ LayerPicture picture_of(const std::string& name, const PaintLayer& paint, const 
         const float mm = layer.thickness_mm.pixels()[i];
         if (!(mm > 0)) continue;
         const Rgb &b = below.pixels()[i], &w = with.pixels()[i];
-        float alpha = 1 - std::exp(-mm / static_cast<float>(covering_mm));
+        float alpha = 1 - portable::exp(-mm / static_cast<float>(covering_mm));
         for (int c = 0; c < 3; ++c) alpha = std::max(alpha, least_alpha(b[c], w[c]));
         alpha = std::min(alpha, 1.0f);
         layer.alpha.pixels()[i] = alpha;

@@ -1,13 +1,9 @@
 #include "paint/files/canvas_file.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "paint/canvas/appearance_part.h"
-#include "paint/files/paint_parts.h"
-#include "surface/base/error.h"
-#include "surface/base/json_reading.h"
-#include "surface/base/json_text.h"
+#include "paint/files/canvas_parts.h"
 #include "surface/painting_file/overview.h"
 #include "surface/painting_file/painting_file.h"
 #include "surface/painting_file/painting_parts.h"
@@ -18,45 +14,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using nlohmann::json;
-
-constexpr const char* kWet = "wet";
-const std::string kDried = "dried.";
-
-// The scale that a painting of unknown scale was painted on with: of its own where nothing says another.
-std::optional<double> scale_of(const PartInfo& wet, const Surface& dry, const fs::path& path) {
-    const auto found = wet.attributes.find("paint_mm_per_pixel");
-    if (found == wet.attributes.end())
-        return dry.scale_known ? std::nullopt : std::optional(dry.mm_per_pixel);
-    const json value = json_or_discarded(found->second);
-    if (!value.is_number() || !(value.get<double>() > 0))
-        fail("{}: attribute 'paint_mm_per_pixel' of part 'wet' is '{}', not a size above 0", path.string(),
-             shortened(found->second));
-    return value.get<double>();
-}
-
-const PartInfo* find(const std::vector<PartInfo>& parts, const std::string& name) {
-    for (const PartInfo& part : parts)
-        if (part.name == name) return &part;
-    return nullptr;
-}
+constexpr double kReadWhole = 16e6;  // [pixels] up to which a painting is read at once: 0.8 GB
 
 }  // namespace
 
-void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& progress,
-                 std::span<const PartToWrite> further) {
-    std::vector<PartToWrite> parts;
-    if (!canvas.ingredients().empty()) {
-        parts.push_back(part_of(kWet, canvas.wet()));
-        add_ingredients(parts.back().info, canvas.ingredients());
-        if (canvas.mm_per_pixel() != canvas.dry().mm_per_pixel)  // the dry part says that it does not know
-            parts.back().info.attributes["paint_mm_per_pixel"] = fmt::format("{}", canvas.mm_per_pixel());
-        for (std::size_t i = 0; i < canvas.dried().size(); ++i) {
-            parts.push_back(part_of(kDried + std::to_string(i), canvas.dried()[i].paint));
-            parts.back().info.attributes["layer"] = canvas.dried()[i].name;
-            if (canvas.dried()[i].levels) parts.back().info.attributes["levels"] = "yes";
-        }
-    }
+namespace {
+
+// All parts of the file, with an overview of what is seen.
+std::vector<PartToWrite> parts_of(const Canvas& canvas, std::span<const PartToWrite> further) {
+    std::vector<PartToWrite> parts = paint_parts_of(canvas);
     parts.insert(parts.end(), further.begin(), further.end());
     const bool has_overview = std::any_of(further.begin(), further.end(), is_overview);
     if (!has_overview && canvas.ingredients().empty())
@@ -64,7 +30,19 @@ void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& p
     else if (!has_overview)
         add_overview(
             parts, [&](const Region& part) { return appearance_in(canvas, part); }, canvas.dry());
-    fill_painting(file, canvas.dry(), parts, progress);
+    return parts;
+}
+
+}  // namespace
+
+void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& progress,
+                 std::span<const PartToWrite> further) {
+    fill_painting(file, canvas.dry(), parts_of(canvas, further), progress);
+}
+
+void fill_canvas(PaintingOutput& output, const Canvas& canvas, const Progress& progress,
+                 std::span<const PartToWrite> further) {
+    output.fill(canvas.dry(), parts_of(canvas, further), progress);
 }
 
 void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progress,
@@ -81,7 +59,7 @@ void write_canvas(const fs::path& path, const Canvas& canvas, const Progress& pr
 std::vector<PartToWrite> parts_beside_paint(const fs::path& path, const Progress& progress) {
     std::vector<PartToWrite> kept;
     for (const PartInfo& info : painting_parts(path)) {
-        if (info.name == kWet || info.name.starts_with(kDried)) continue;
+        if (is_paint_part(info.name)) continue;
         auto planes = std::make_shared<std::vector<Image<float>>>(info.channels.size(),
                                                                   Image<float>(info.width, info.height));
         read_painting_part(
@@ -104,46 +82,30 @@ std::vector<PartToWrite> parts_beside_paint(const fs::path& path, const Progress
 }
 
 Canvas read_canvas(const fs::path& path, const Progress& progress, std::optional<double> mm_per_pixel) {
-    const auto dry = std::make_shared<Surface>(read_painting(path, progress));
-    const std::vector<PartInfo> parts = painting_parts(path);
-    const PartInfo* wet = find(parts, kWet);
-    // All of them are written together: 'wet' lists what the volumes of the others are of, and layers are
-    // numbered from 0.
-    const auto dried_count = static_cast<int>(
-        std::ranges::count_if(parts, [](const PartInfo& part) { return part.name.starts_with(kDried); }));
-    for (int i = 0; i < dried_count; ++i)
-        if (!wet || !find(parts, kDried + std::to_string(i)))
-            fail(
-                "{}: has {} of dried paint, but no part '{}': the file is damaged, or another program "
-                "left parts out; take a copy from before",
-                path.string(), dried_count == 1 ? "a layer" : fmt::format("{} layers", dried_count),
-                wet ? kDried + std::to_string(i) : kWet);
-    if (const auto stored = wet ? scale_of(*wet, *dry, path) : std::nullopt) {
-        if (mm_per_pixel && !same_scale(*mm_per_pixel, *stored))
-            fail("{}: was painted on with pixels of {} mm, not {} mm; leave --mm-per-pixel out",
-                 path.string(), *stored, *mm_per_pixel);
-        mm_per_pixel = stored;
-    }
-    if (mm_per_pixel && dry->scale_known && !same_scale(*mm_per_pixel, dry->mm_per_pixel))
-        fail("{}: its pixels are known to be {} mm, not {} mm", path.string(), dry->mm_per_pixel,
-             *mm_per_pixel);
-    Canvas canvas(dry, mm_per_pixel);
-    if (!wet) return canvas;
-    read_ingredients(path, *wet, canvas);
-    canvas.writable_wet() = read_layer(path, *wet, canvas, progress);
-    for (int i = 0; i < dried_count; ++i) {
-        const PartInfo* part = find(parts, kDried + std::to_string(i));
-        const auto layer = part->attributes.find("layer");
-        canvas.writable_dried().push_back(
-            {layer == part->attributes.end() ? part->name : valid_utf8(layer->second),
-             read_layer(path, *part, canvas, progress), part->attributes.contains("levels")});
-    }
-    return canvas;
+    const PartReader read = [&](const PartInfo& info, const TakeRows& take) {
+        read_painting_part(path, info, take, progress);
+    };
+    return canvas_of_parts(path, std::make_shared<Surface>(read_painting(path, progress)),
+                           painting_parts(path), read, mm_per_pixel);
 }
 
 Surface read_painted(const fs::path& path, const Progress& progress) {
     const Canvas canvas = read_canvas(path, progress);
     return canvas.ingredients().empty() ? canvas.dry() : appearance(canvas, {}, progress);
+}
+
+bool is_painted(const PaintingHeader& header) {
+    return std::ranges::any_of(header.parts, [](const PartInfo& part) { return is_paint_part(part.name); });
+}
+
+std::shared_ptr<const PaintingReader> open_painted(const fs::path& path, const AppearanceOptions& look,
+                                                   const Progress& progress) {
+    const auto reader = open_painting(path);
+    const bool is_large = static_cast<double>(reader->width()) * reader->height() > kReadWhole;
+    if (is_painted(reader->header()) || look.illuminant != Illuminant::d65)
+        return reader_of(shown(read_canvas(path, progress), look, progress), path);
+    if (is_large) return reader;
+    return reader_of(std::make_shared<const Surface>(read_painting(path, progress)), path);
 }
 
 }  // namespace tangi

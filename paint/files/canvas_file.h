@@ -11,10 +11,13 @@
 #include <optional>
 #include <vector>
 
+#include "paint/canvas/appearance.h"
 #include "paint/canvas/canvas.h"
 #include "surface/base/progress.h"
 #include "surface/file/atomic_file.h"
+#include "surface/painting_file/painting_output.h"
 #include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/painting_reader.h"
 
 namespace tangi {
 
@@ -24,6 +27,8 @@ void write_canvas(AtomicFile& file, const Canvas& canvas, const Progress& progre
                   std::span<const PartToWrite> further = {});
 // The same, but not put in place: what fills the temporary file becomes a part of another file.
 void fill_canvas(const AtomicFile& file, const Canvas& canvas, const Progress& progress,
+                 std::span<const PartToWrite> further);
+void fill_canvas(PaintingOutput& output, const Canvas& canvas, const Progress& progress,
                  std::span<const PartToWrite> further);
 void write_canvas(const std::filesystem::path& path, const Canvas& canvas, const Progress& progress = {});
 
@@ -42,5 +47,12 @@ Canvas read_canvas(const std::filesystem::path& path, const Progress& progress =
 // What the painting looks like with its paint (appearance.h); one that was never painted on as
 // read_painting().
 Surface read_painted(const std::filesystem::path& path, const Progress& progress = {});
+
+// The same, read as it is needed, where it was never painted on and its file or folder is large; else it is
+// in memory. `look` as shown() has it.
+std::shared_ptr<const PaintingReader> open_painted(const std::filesystem::path& path,
+                                                   const AppearanceOptions& look = {},
+                                                   const Progress& progress = {});
+bool is_painted(const PaintingHeader& header);  // whether paint lies on it
 
 }  // namespace tangi

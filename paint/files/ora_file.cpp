@@ -13,6 +13,7 @@
 #include "surface/base/html_escape.h"
 #include "surface/base/json_text.h"
 #include "surface/base/memory_error.h"
+#include "surface/file/version.h"
 #include "surface/report/png_encode.h"
 
 namespace tangi {
@@ -172,6 +173,7 @@ void write_ora(AtomicFile& file, const Canvas& canvas, const Progress& progress,
     archive.add("tangipaint/height.png", png_bytes(stretched(std::move(height), low_mm, high_mm)));
     nlohmann::json about = scale_in_words(canvas);
     about.update({{"format", "tangipaint painting"},
+                  {"software", program_name()},
                   {"version", 1},
                   {"height_low_mm", shortest(low_mm)},
                   {"height_high_mm", shortest(high_mm)},

@@ -1,4 +1,5 @@
 #include "paint/files/paint_metadata.h"
+#include "surface/file/version.h"
 #include "surface/maps/height_unit.h"
 
 #include <fmt/format.h>
@@ -20,7 +21,8 @@ nlohmann::json bands_of(const Spectrum& spectrum) {
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 
 nlohmann::json scale_in_words(const Canvas& canvas) {
-    return {{"mm_per_pixel", canvas.mm_per_pixel()},
+    return {{"software", program_name()},
+            {"mm_per_pixel", canvas.mm_per_pixel()},
             {"scale_known", canvas.scale_known()},
             {"height_unit", height_unit_of(canvas.mm_per_pixel(), canvas.scale_known())},
             {"thickness_unit", "mm"},

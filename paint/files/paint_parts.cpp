@@ -174,8 +174,8 @@ void require_thickness(const fs::path& path, const PartInfo& info, int y, std::s
                  path.string(), info.name, sums[x], x, y, most_mm);
 }
 
-PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& canvas,
-                      const Progress& progress) {
+PaintLayer layer_of(const fs::path& path, const PartInfo& info, const Canvas& canvas,
+                    const PartReader& read) {
     if (info.width != canvas.width() || info.height != canvas.height())
         fail("{}: part '{}' is {} x {}, but the painting is {} x {}", path.string(), info.name, info.width,
              info.height, canvas.width(), canvas.height());
@@ -183,29 +183,33 @@ PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& 
     PaintLayer layer(canvas.width(), canvas.height());
     const auto width = static_cast<std::size_t>(info.width);
     std::vector<float> sums(width);
-    read_painting_part(
-        path, info,
-        [&](int y0, int y1, std::span<const float* const> planes) {
-            for (int y = y0; y < y1; ++y) {
-                std::ranges::fill(sums, 0.0f);
-                for (std::size_t c = 0; c < planes.size(); ++c) {
-                    const float* row = planes[c] + static_cast<std::size_t>(y - y0) * width;
-                    require_volumes(path, info, c, y, {row, width});
-                    if (canvas.ingredients().empty() &&
-                        std::any_of(row, row + width, [](float v) { return v > 0; }))
-                        fail(
-                            "{}: is damaged: part '{}' holds paint, but its list of paints is empty; copy it "
-                            "again, "
-                            "or take a copy from before",
-                            path.string(), info.name);
-                    for (std::size_t x = 0; x < width; ++x) sums[x] += row[x];
-                    put_row(layer, ids[c], y, row);
-                }
-                require_thickness(path, info, y, sums, kMostPaint_mm);
+    read(info, [&](int y0, int y1, std::span<const float* const> planes) {
+        for (int y = y0; y < y1; ++y) {
+            std::ranges::fill(sums, 0.0f);
+            for (std::size_t c = 0; c < planes.size(); ++c) {
+                const float* row = planes[c] + static_cast<std::size_t>(y - y0) * width;
+                require_volumes(path, info, c, y, {row, width});
+                if (canvas.ingredients().empty() &&
+                    std::any_of(row, row + width, [](float v) { return v > 0; }))
+                    fail(
+                        "{}: is damaged: part '{}' holds paint, but its list of paints is empty; copy it "
+                        "again, "
+                        "or take a copy from before",
+                        path.string(), info.name);
+                for (std::size_t x = 0; x < width; ++x) sums[x] += row[x];
+                put_row(layer, ids[c], y, row);
             }
-        },
-        progress);
+            require_thickness(path, info, y, sums, kMostPaint_mm);
+        }
+    });
     return layer;
+}
+
+PaintLayer read_layer(const fs::path& path, const PartInfo& info, const Canvas& canvas,
+                      const Progress& progress) {
+    return layer_of(path, info, canvas, [&](const PartInfo& part, const TakeRows& take) {
+        read_painting_part(path, part, take, progress);
+    });
 }
 
 }  // namespace tangi

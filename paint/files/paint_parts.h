@@ -6,6 +6,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,11 @@ std::string volume_channel(IngredientId id);
 
 // `layer` must outlive what is written.
 PartToWrite part_of(const std::string& name, const PaintLayer& layer);
+// What gives the rows of a part to `take`, as read_painting_part() does.
+using TakeRows = std::function<void(int y0, int y1, std::span<const float* const> planes)>;
+using PartReader = std::function<void(const PartInfo& info, const TakeRows& take)>;
+PaintLayer layer_of(const std::filesystem::path& path, const PartInfo& info, const Canvas& canvas,
+                    const PartReader& read);
 PaintLayer read_layer(const std::filesystem::path& path, const PartInfo& info, const Canvas& canvas,
                       const Progress& progress = {});
 

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "paint/files/canvas_file.h"
 #include "paint/files/paint_parts.h"
 #include "paint/session/mixing_board.h"
 #include "surface/base/error.h"
@@ -210,6 +211,12 @@ void read_tools(const fs::path& path, Session& session, const Progress& progress
     for (const PartInfo& part : parts)
         if (part.name == kBrush) hand = read_brush(path, part, session.canvas(), board);
     session.take_up(std::move(board), std::move(hand.brush), hand.place, hand.goes_on);
+}
+
+bool has_paint_or_tools(const PaintingHeader& header) {
+    return is_painted(header) || std::ranges::any_of(header.parts, [](const PartInfo& part) {
+               return part.name == kPalette || part.name == kBrush;
+           });
 }
 
 }  // namespace tangi

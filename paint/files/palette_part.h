@@ -13,6 +13,7 @@
 
 #include "paint/session/session.h"
 #include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/painting_reader.h"
 
 namespace tangi {
 
@@ -29,5 +30,8 @@ std::vector<PartToWrite> tools_among(const std::vector<PartToWrite>& parts);
 // Gives a session, in which nothing was painted yet, the palette and the brush in a painting file; nothing
 // where it has none. Throws Error naming the file, the part and the place.
 void read_tools(const std::filesystem::path& path, Session& session, const Progress& progress = {});
+
+// Whether there is paint on a painting, or a palette or brush beside it.
+bool has_paint_or_tools(const PaintingHeader& header);
 
 }  // namespace tangi

@@ -12,6 +12,7 @@
 
 #include "paint/optics/pigment.h"
 #include "paint/optics/spectrum.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -57,7 +58,7 @@ T film_reflectance(T kx, T sx, T background_inside) {
     const T whole = kx + sx + u;
     if (!(whole > 0)) return background_inside;
     const T x = 2 * u;
-    const T q = x > T(1e-12) ? (x < T(80) ? x / std::expm1(x) : T(0)) : T(1);
+    const T q = x > T(1e-12) ? (x < T(80) ? x / portable::expm1(x) : T(0)) : T(1);
     const T w = std::fmax(whole - background_inside * sx, T(0));
     return (sx / whole * w + background_inside * q) / (w + q);
 }

@@ -12,6 +12,7 @@
 #include "paint/optics/kubelka_munk.h"
 #include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
+#include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 
@@ -235,15 +236,6 @@ void add_paint(Palette& palette, const JsonPlace& paint, const std::vector<doubl
     palette.paints.push_back(std::move(pigment));
 }
 
-json parsed(std::string_view text, const std::string& where) {
-    try {
-        return parse_json(text, where);
-    } catch (const json::parse_error& error) {
-        fail("{}: line {}: is not JSON as palette files are: {}", where, line_of(text, error.byte),
-             why_no_json(text, error.byte));
-    }
-}
-
 std::string listed(const Spectrum& values) { return fmt::format("[{}]", fmt::join(values, ", ")); }
 
 }  // namespace
@@ -265,7 +257,7 @@ const Pigment& Palette::at(std::string_view paint) const {
 }
 
 Palette parse_palette(std::string_view text, const std::string& where) {
-    const json document = parsed(text, where);
+    const json document = read_json(text, where);
     const JsonPlace root{document, where + ": "};
     root.require_object();
     if (!root.has("format") || document["format"] != kFormat)

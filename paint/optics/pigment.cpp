@@ -5,6 +5,7 @@
 
 #include "paint/optics/kubelka_munk.h"
 #include "surface/base/error.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -51,8 +52,8 @@ void fill_scattering(std::array<double, kBands>& s, const Pigment& white) {
         } else {
             const auto nm = [](int j) { return static_cast<double>(kBand_nm[static_cast<std::size_t>(j)]); };
             const double t = (nm(i) - nm(below)) / (nm(above) - nm(below));
-            value = std::exp((1 - t) * std::log(found[static_cast<std::size_t>(below)]) +
-                             t * std::log(found[static_cast<std::size_t>(above)]));
+            value = portable::exp((1 - t) * portable::log(found[static_cast<std::size_t>(below)]) +
+                                  t * portable::log(found[static_cast<std::size_t>(above)]));
         }
     }
 }

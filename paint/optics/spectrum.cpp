@@ -6,6 +6,7 @@
 #include <glm/matrix.hpp>
 
 #include "paint/optics/spectrum_tables.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -95,7 +96,7 @@ Lab lab_under(const Spectrum& reflectance, Illuminant illuminant) {
     const glm::dvec3 t = xyz_of(reflectance, illuminant) / white_xyz(illuminant);
     const auto f = [](double x) {
         constexpr double epsilon = 216.0 / 24389, kappa = 24389.0 / 27;
-        return x > epsilon ? std::cbrt(x) : (kappa * x + 16) / 116;
+        return x > epsilon ? portable::cbrt(x) : (kappa * x + 16) / 116;
     };
     return {116 * f(t.y) - 16, 500 * (f(t.x) - f(t.y)), 200 * (f(t.y) - f(t.z))};
 }

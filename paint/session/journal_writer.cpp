@@ -4,6 +4,7 @@
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
+#include "surface/file/version.h"
 
 namespace tangi {
 
@@ -39,7 +40,7 @@ std::optional<nlohmann::json> parsed_line(std::string_view line, const std::stri
 }
 
 std::string first_line(const JournalHead& head) {
-    std::string line(kFirstLineStart);
+    std::string line = fmt::format("{}, \"software\": \"{}\"", kFirstLineStart, program_name());
     if (!head.on.empty()) line += fmt::format(", \"on\": \"{}\"", head.on);
     if (!head.makes.empty()) line += fmt::format(", \"makes\": \"{}\"", head.makes);
     return line + "}";

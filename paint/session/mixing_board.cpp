@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "surface/base/error.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -139,7 +140,7 @@ PointMm free_place(const Canvas& board, double size_mm) {
             const double lies =
                 std::max(sums(x + side, y + side) - sums(x, y + side) - sums(x + side, y) + sums(x, y), 0.0);
             const PointMm at{(x + (side - width) / 2.0) * mm, ((height - side) / 2.0 - y) * mm};
-            const double away = std::hypot(at.x, at.y), little = 1e-6 * side * side;
+            const double away = portable::hypot(at.x, at.y), little = 1e-6 * side * side;
             if (lies < least - little || (lies <= least + little && away < nearest)) {
                 least = std::min(lies, least);
                 nearest = away;

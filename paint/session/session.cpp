@@ -5,6 +5,7 @@
 #include "paint/session/mixing_board.h"
 #include "surface/base/error.h"
 #include "surface/base/noise.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -185,7 +186,7 @@ void Session::lay(const PileEvent& event) {
     const std::string where = fmt::format("the pile at ({:.6g}, {:.6g}) mm lies", event.at.x, event.at.y),
                       edge = fmt::format("outside of the {}, which reaches to ({:.4g}, {:.4g}) mm",
                                          event.on == Place::painting ? "painting" : "palette", right, top);
-    if (std::hypot(std::max(x - right, 0.0), std::max(y - top, 0.0)) >= radius) {
+    if (portable::hypot(std::max(x - right, 0.0), std::max(y - top, 0.0)) >= radius) {
         for (const auto& paint : event.paint) palette_.at(paint.first);  // that there are all
         warnings_.push_back(fmt::format("{} wholly {}: nothing is laid", where, edge));
         return;

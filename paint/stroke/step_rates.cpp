@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "surface/math/portable_math.h"
+
 namespace tangi {
 
 namespace {
@@ -84,7 +86,7 @@ TransferRates rates_of(const Brush& brush, const Dab& dab, double mm_per_pixel) 
     const BrushSettings& s = brush.settings();
     const double length_px = brush.contact_length_px(dab), resolved_px = brush.resolved_length_px(dab);
     const auto rate = [&](double over_contact, double over_px) {
-        return std::min(static_cast<float>(1 - std::exp(-over_contact * dab.length_px / over_px)),
+        return std::min(static_cast<float>(1 - portable::exp(-over_contact * dab.length_px / over_px)),
                         kPerStepAtMost);
     };
     const float touch = touching_part(dab.pressure);

@@ -8,6 +8,7 @@
 #include "paint/stroke/brush_steps.h"
 #include "paint/stroke/load_rows.h"
 #include "surface/base/error.h"
+#include "surface/math/portable_math.h"
 
 namespace tangi {
 
@@ -33,7 +34,7 @@ constexpr int kLooksForWalls = 4 * kSettle, kCollapses = 8;
 
 constexpr double kShortContact_px = 6;  // shorter ones take steps of half the spacing
 
-double length(const PathPoint& p) { return std::hypot(p.x, p.y); }
+double length(const PathPoint& p) { return portable::hypot(p.x, p.y); }
 PathPoint operator-(const PathPoint& a, const PathPoint& b) { return {a.x - b.x, a.y - b.y}; }
 PathPoint operator+(const PathPoint& a, const PathPoint& b) { return {a.x + b.x, a.y + b.y}; }
 PathPoint operator*(double s, const PathPoint& p) { return {s * p.x, s * p.y}; }
@@ -72,7 +73,8 @@ Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
     const bool finite = std::isfinite(p.x_mm) && std::isfinite(p.y_mm) && std::isfinite(p.rotation_deg);
     if (!finite) fail("a stroke's point ({}, {}) mm, {} deg is not finite", p.x_mm, p.y_mm, p.rotation_deg);
     if (!(p.pressure >= 0 && p.pressure <= 1)) fail("pressure = {} is outside [0, 1]", p.pressure);
-    if (!(std::hypot(p.tilt_x, p.tilt_y) <= 1)) fail("tilt = ({}, {}) is longer than 1", p.tilt_x, p.tilt_y);
+    if (!(portable::hypot(p.tilt_x, p.tilt_y) <= 1))
+        fail("tilt = ({}, {}) is longer than 1", p.tilt_x, p.tilt_y);
     if (!(p.time_s >= last_time_s_))
         fail("time = {} s lies before that of the point before, {} s", p.time_s, last_time_s_);
     last_time_s_ = p.time_s;
@@ -88,7 +90,7 @@ Stroke::Knot Stroke::knot_of(const StrokePoint& p) {
             "the point ({}, {}) mm is far from the canvas, which is {} x {} mm around (0, 0); places are in "
             "mm from its middle, y up",
             p.x_mm, p.y_mm, canvas_.width() * mm, canvas_.height() * mm);
-    knot.pressure = std::pow(p.pressure, options_.pressure_gamma);
+    knot.pressure = portable::pow(p.pressure, options_.pressure_gamma);
     knot.tilt_x = p.tilt_x;
     knot.tilt_y = -p.tilt_y;
     knot.rotation_rad = -p.rotation_deg * std::numbers::pi / 180;
@@ -208,7 +210,7 @@ void Stroke::step_to(const Knot& b, const Knot& c, double u, const PathPoint& at
     double rotation = interpolated(b.rotation_rad, c.rotation_rad, u);
     if (brush_.settings().follow) {
         // The hand turns the width across the stroke, not at once.
-        const double heading = std::atan2(direction.y, direction.x) + std::numbers::pi / 2;
+        const double heading = portable::atan2(direction.y, direction.x) + std::numbers::pi / 2;
         if (!heading_rad_) heading_rad_ = static_cast<float>(heading);
         // Backwards it is the same as forwards: the hand does not turn it round where a stroke reverses.
         const double wanted = *heading_rad_ + std::remainder(heading - *heading_rad_, std::numbers::pi);

@@ -8,6 +8,7 @@
 #include "paint/substrate/substrate.h"
 #include "surface/base/error.h"
 #include "surface/file/atomic_file.h"
+#include "surface/math/portable_math.h"
 #include "surface/painting_file/painting_file.h"
 
 namespace tangi {
@@ -19,7 +20,7 @@ Image<float> lightness_of(const Image<Rgb>& linear) {
     for (std::size_t i = 0; i < result.size(); ++i) {
         const float y = std::clamp(luminance(linear.pixels()[i]), 0.0f, 1.0f);
         // CIE 15: L* / 100.
-        result.pixels()[i] = y > 216.0f / 24389 ? 1.16f * std::cbrt(y) - 0.16f : 24389.0f / 2700 * y;
+        result.pixels()[i] = y > 216.0f / 24389 ? 1.16f * portable::cbrt(y) - 0.16f : 24389.0f / 2700 * y;
     }
     return result;
 }

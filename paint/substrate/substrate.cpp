@@ -6,10 +6,12 @@
 #include <mutex>
 #include <numbers>
 
+#include "paint/substrate/tiled_noise.h"
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
 #include "surface/base/noise.h"
 #include "surface/base/parallel.h"
+#include "surface/math/portable_math.h"
 #include "surface/painting_file/painting_file.h"
 
 namespace tangi {
@@ -20,7 +22,11 @@ using procedural::hash;
 using procedural::mix;
 using procedural::Seed;
 using procedural::smooth_step;
+using procedural::tiled_noise;
+using procedural::tiled_noise_along;
+using procedural::tiled_slopes;
 using procedural::uniform;
+using procedural::wrapped;
 
 constexpr std::array<std::pair<SubstrateKind, std::string_view>, 6> kNames = {
     {{SubstrateKind::canvas, "canvas"},
@@ -29,36 +35,6 @@ constexpr std::array<std::pair<SubstrateKind, std::string_view>, 6> kNames = {
      {SubstrateKind::panel, "panel"},
      {SubstrateKind::gesso, "gesso"},
      {SubstrateKind::paper, "paper"}}};
-
-int wrapped(int i, int count) { return ((i % count) + count) % count; }
-
-// Noise that repeats: values in [-1, 1] at the corners of `columns` x `rows` cells, smooth between (quintic).
-// x in [0, columns), y in [0, rows).
-float tiled_noise(float x, float y, int columns, int rows, Seed seed) {
-    const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-    const auto fade = [](float t) { return t * t * t * (t * (t * 6 - 15) + 10); };
-    const float fx = fade(x - static_cast<float>(ix)), fy = fade(y - static_cast<float>(iy));
-    const auto value = [&](int cx, int cy) {
-        return uniform(hash(seed, wrapped(cx, columns), wrapped(cy, rows)), -1, 1);
-    };
-    return mix(mix(value(ix, iy), value(ix + 1, iy), fx), mix(value(ix, iy + 1), value(ix + 1, iy + 1), fx),
-               fy);
-}
-
-// The same of slopes rather than values (Perlin 1985, "An image synthesizer"): about 0, within [-1, 1],
-// without the squares that a lattice of values shows.
-float tiled_slopes(float x, float y, int columns, int rows, Seed seed) {
-    const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-    const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
-    const auto fade = [](float t) { return t * t * t * (t * (t * 6 - 15) + 10); };
-    const auto value = [&](int dx, int dy) {
-        const Seed h = hash(seed, wrapped(ix + dx, columns), wrapped(iy + dy, rows));
-        return uniform(h, -1.4f, 1.4f) * (fx - static_cast<float>(dx)) +
-               uniform(hash(h, 1), -1.4f, 1.4f) * (fy - static_cast<float>(dy));
-    };
-    const float u = fade(fx), v = fade(fy);
-    return mix(mix(value(0, 0), value(1, 0), u), mix(value(0, 1), value(1, 1), u), v);
-}
 
 // The larger of both, rounded where they are within `soft` of each other.
 float soft_max(float a, float b, float soft) {
@@ -146,8 +122,7 @@ Thread thread_at(const Weave& w, const Piece& piece, const ThreadPlace& place) {
         const int cells =
             std::max(1, static_cast<int>(std::lround(static_cast<float>(crossings) / features)));
         const float at = along / along_size * static_cast<float>(cells);
-        return tiled_noise(static_cast<float>(thread), at, threads, cells,
-                           hash(hash(piece.seed, which), salt));
+        return tiled_noise_along(thread, at, threads, cells, hash(hash(piece.seed, which), salt));
     };
     const float position = place.across / place.across_size * static_cast<float>(threads);
     Thread best{w.hollow, 0, 0};
@@ -163,7 +138,7 @@ Thread thread_at(const Weave& w, const Piece& piece, const ThreadPlace& place) {
         if (std::abs(d) >= 1.6f) continue;
         const float phase = along / along_size * static_cast<float>(crossings) + static_cast<float>(number) +
                             (place.warp ? 0.0f : 1.0f);
-        const float over = std::cos(std::numbers::pi_v<float> * (phase - 0.5f));
+        const float over = portable::cos(std::numbers::pi_v<float> * (phase - 0.5f));
         const float height = 0.62f * over + 0.9f * (1 - d * d) - 0.4f + 0.3f * (width / w.thread - 1);
         best.height = soft_max(best.height, height, kRound);
         if (height > highest) highest = height, best.number = number, side = d;
@@ -198,7 +173,7 @@ Spot weave_at(const Weave& w, const Piece& piece, float x, float y) {
         // Priming: levels the valleys, follows the crests (a soft maximum of level and weave).
         const float level = (0.05f + 0.25f * piece.fractal_felt(x, y, 4, 3, 24)) * w.relief_mm;
         const float soft = 0.45f * w.relief_mm, d = (spot.height_mm - level) / soft;
-        spot.height_mm = level + soft * (d > 8 ? d : std::log1p(std::exp(d))) + w.ground_mm;
+        spot.height_mm = level + soft * (d > 8 ? d : portable::log1p(portable::exp(d))) + w.ground_mm;
         spot.colour = w.ground_colour * (1 + 0.015f * piece.fractal_felt(x, y, 3, 3, 25));
         spot.specular = 0.012f;
         spot.roughness = 0.35f;
@@ -218,8 +193,8 @@ Spot panel_at(const Piece& piece, float x, float y) {
     const float dash = piece.noise(x, y, 2.6f, 0.13f, 33) - 0.74f + 0.22f * (1 - late);
     const float vessel = smooth_step(0.0f, 0.25f, dash);
     const float fibre = piece.noise(x, y, 9, 0.22f, 34), streak = piece.noise(x, y, 70, 1.6f, 35);
-    const float waves = std::sin(2 * std::numbers::pi_v<float> *
-                                 std::max(1.0f, std::round(piece.width_mm / 2.4f)) * x / piece.width_mm);
+    const float waves = portable::sin(2 * std::numbers::pi_v<float> *
+                                      std::max(1.0f, std::round(piece.width_mm / 2.4f)) * x / piece.width_mm);
     Spot spot;
     spot.height_mm =
         0.016f * late - 0.030f * vessel + 0.004f * fibre + 0.0015f * waves + 0.03f * piece.felt(x, y, 55, 37);
@@ -244,7 +219,7 @@ float pinholes_at(const Piece& piece, float x, float y, float pitch_mm, Seed whi
     const float dx = x - (static_cast<float>(i) + uniform(hash(h, 3), 0.2f, 0.8f)) * cell_x,
                 dy = y - (static_cast<float>(j) + uniform(hash(h, 4), 0.2f, 0.8f)) * cell_y;
     const float out = (dx * dx + dy * dy) / (radius * radius);
-    return radius / 0.22f * std::exp(-2 * out);
+    return radius / 0.22f * portable::exp(-2 * out);
 }
 
 // Chalk and glue, laid on with a broad brush, coat across coat, and sanded: of the marks of bristles the

@@ -12,6 +12,7 @@
 #include "retouch/treatment/treatment_log.h"
 #include "surface/base/error.h"
 #include "surface/base/memory_error.h"
+#include "surface/file/version.h"
 
 namespace tangi {
 
@@ -65,12 +66,12 @@ double width_mm_of(PangoLayout* layout) {
     return width * kPoint_mm / PANGO_SCALE;
 }
 
-Pdf::Pdf(double width_mm, double height_mm, const std::string& title, const std::string& maker)
+Pdf::Pdf(double width_mm, double height_mm, const std::string& title)
     : target_(
           cairo_pdf_surface_create_for_stream(take, &bytes_, width_mm / kPoint_mm, height_mm / kPoint_mm)),
       drawing_(cairo_create(target_.get())) {
     cairo_pdf_surface_set_metadata(target_.get(), CAIRO_PDF_METADATA_TITLE, title.c_str());
-    cairo_pdf_surface_set_metadata(target_.get(), CAIRO_PDF_METADATA_CREATOR, maker.c_str());
+    cairo_pdf_surface_set_metadata(target_.get(), CAIRO_PDF_METADATA_CREATOR, program_name().c_str());
     cairo_pdf_surface_set_metadata(target_.get(), CAIRO_PDF_METADATA_CREATE_DATE, utc_now().c_str());
     cairo_scale(drawing_.get(), 1 / kPoint_mm, 1 / kPoint_mm);
 }

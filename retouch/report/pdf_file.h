@@ -38,7 +38,7 @@ double width_mm_of(PangoLayout* layout);
 // A PDF in the making: mm from the top left corner of the page, drawn into memory.
 class Pdf {
 public:
-    Pdf(double width_mm, double height_mm, const std::string& title, const std::string& maker);
+    Pdf(double width_mm, double height_mm, const std::string& title);
 
     void end_page();
     void bookmark(const std::string& text, int page);

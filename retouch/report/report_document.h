@@ -52,7 +52,6 @@ using ReportBlock =
 
 struct ReportDocument {
     std::string title;
-    std::string maker;  // "tangipaint 0.1.0"
     std::vector<ReportBlock> blocks;
 };
 

@@ -88,7 +88,7 @@ double fitting(const ReportPlan& plan) {
 class Sheets {
 public:
     Sheets(const ReportDocument& document, const fs::path& path, int pages)
-        : pdf_(kPageWidth_mm, kPageHeight_mm, document.title, document.maker),
+        : pdf_(kPageWidth_mm, kPageHeight_mm, document.title),
           document_(document),
           path_(path),
           pages_(pages) {
@@ -315,7 +315,7 @@ void write_pdf(const fs::path& path, const ReportPlan& plan) {
     constexpr double most = 14400 * 25.4 / 72 - 2 * margin - caption - bar;
     const double denominator = plan.scale_known ? denominator_within(plan, most, most) : fitting(plan);
     const double width = std::max(plan.width_mm / denominator, 100.0) + 2 * margin;
-    Pdf pdf(width, plan.height_mm / denominator + 2 * margin + caption + bar, plan.caption, "tangipaint");
+    Pdf pdf(width, plan.height_mm / denominator + 2 * margin + caption + bar, plan.caption);
     pdf.write(in_words(plan, denominator), margin, margin, width - 2 * margin, kSmall_pt);
     draw_plan(pdf, plan, path, {margin, margin + caption, denominator}, true);
     pdf.end_page();

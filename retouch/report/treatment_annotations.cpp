@@ -3,6 +3,7 @@
 
 #include "retouch/report/treatment_report.h"
 #include "retouch/treatment/treatment_area.h"
+#include "surface/file/version.h"
 
 namespace tangi {
 
@@ -74,14 +75,16 @@ std::string svg_path(const std::vector<Polygon>& polygons, double scale) {
 json web_annotations(const Treatment& treatment, const std::string& name, const std::string& published_at) {
     const std::string id =
         published_at.empty() ? urn_of(treatment) : published_at + in_address(name + ".annotations.json");
+    const std::string picture = published_at + in_address(name + ".picture.jpg");
     json items = json::array();
     for (const DamageClass damage : kDamageClasses)
         if (treatment.has_mask(damage))
-            items.push_back(annotation(treatment, damage, fmt::format("{}#{}", id, name_of(damage)),
-                                       published_at + in_address(name + ".picture.jpg")));
+            items.push_back(
+                annotation(treatment, damage, fmt::format("{}#{}", id, name_of(damage)), picture));
     return {{"@context", "http://www.w3.org/ns/anno.jsonld"},
             {"id", id},
             {"type", "AnnotationPage"},
+            {"generator", {{"type", "Software"}, {"name", program_name()}}},
             {"items", items}};
 }
 
@@ -107,7 +110,8 @@ json iiif_manifest(const Treatment& treatment, const std::string& name, const st
     const json& first = treatment.log().entries().front().content;
     json about = {about_line("Painting", first.value("painting", "")),
                   about_line("Treatment begun", first.value("time", "")),
-                  about_line("Head of the log, SHA-256", treatment.log().head())};
+                  about_line("Head of the log, SHA-256", treatment.log().head()),
+                  about_line("Made by", program_name())};
     if (treatment.scale_known())
         about.push_back(
             about_line("Size", fmt::format("{:.1f} × {:.1f} mm", treatment.width() * treatment.mm_per_pixel(),

@@ -347,7 +347,6 @@ std::vector<fs::path> write_treatment_report(const Treatment& t, const fs::path&
 
     ReportMatter m{t, canvas, t.layers(), mapped_damage(t), {}};
     m.report.title = "Treatment of " + m.log().front().content.value("painting", "");
-    m.report.maker = tool;
     try {
         identification(m, tool);
         examination(m);

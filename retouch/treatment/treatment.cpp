@@ -16,6 +16,7 @@
 #include "surface/image_file/image_io.h"
 #include "surface/maps/photography_json.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_tiles.h"
 
 namespace tangi {
 
@@ -82,6 +83,13 @@ std::string sha256_of_what_is_known(const Surface& surface) {
     return sha.hex();
 }
 
+// Whether a file is the copy of a painting, which may be a folder of tiles.
+bool is_copy(const fs::path& file, const fs::path& painting) {
+    if (is_tiled_painting(painting))
+        return open_painting(file)->header().dry_hash == open_painting(painting)->header().dry_hash;
+    return fs::equivalent(file, painting) || sha256_of_file(file) == sha256_of_file(painting);
+}
+
 // The log's first line, but for "scale_known": the painting as it was.
 json first_entry(const fs::path& painting, const Canvas& canvas, const Author& author) {
     return {{"action", "begin"},
@@ -89,7 +97,7 @@ json first_entry(const fs::path& painting, const Canvas& canvas, const Author& a
             {"who", author.who},
             {"tool", author.tool},
             {"painting", painting.filename().string()},
-            {"inputs", {{painting.filename().string(), sha256_of_file(painting)}}},
+            {"inputs", {{painting.filename().string(), sha256_of_painting(painting)}}},
             {"width", canvas.width()},
             {"height", canvas.height()},
             {"mm_per_pixel", canvas.mm_per_pixel()},
@@ -151,14 +159,14 @@ Treatment Treatment::begin(const fs::path& named, const fs::path& painting, cons
     // What a beginning of an earlier version left that did not come to its end is the same.
     const fs::path copy = folder / kTreatmentPainting;
     const bool is_there = fs::exists(copy);
-    if (is_there && !fs::equivalent(copy, painting) && sha256_of_file(copy) != sha256_of_file(painting))
+    if (is_there && !is_copy(copy, painting))
         fail("{}: is another painting, and would be overwritten; choose another folder for the treatment",
              copy.string());
     json first = first_entry(painting, canvas, author);
     first["scale_known"] = canvas.dry().scale_known || mm_per_pixel.has_value();
     FolderFiles written(folder);  // all of it, or none
     told_of(written.temporary(), folder, [&] {
-        if (!is_there) copy_whole(painting, written.temporary() / kTreatmentPainting);
+        if (!is_there) copy_whole(painting, written.temporary() / kTreatmentPainting, progress);
         TreatmentLog::begin(written.temporary() / kTreatmentLog, std::move(first));
     });
     written.place();

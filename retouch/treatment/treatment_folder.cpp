@@ -14,6 +14,7 @@
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
 #include "surface/file/sha256.h"
+#include "surface/painting_file/painting_tiles.h"
 
 namespace tangi {
 
@@ -209,7 +210,8 @@ bool stays_inside(const std::string& path) {
 
 fs::path treatment_mask(const std::string& name) { return fs::path(kTreatmentMasks) / (name + ".png"); }
 
-void copy_whole(const fs::path& from, const fs::path& to) {
+void copy_whole(const fs::path& from, const fs::path& to, const Progress& progress) {
+    if (is_tiled_painting(from)) return write_file(*open_painting(from), to, progress);
     AtomicFile file(to);
     file.copy_from(from);
     file.commit();

@@ -25,8 +25,9 @@ std::filesystem::path treatment_mask(const std::string& name);
 // and what else its steps write. Nobody else writes there.
 std::optional<std::filesystem::path> treatment_that_keeps(const std::filesystem::path& file);
 
-// Throws Error naming both.
-void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to);
+// Of a painting in tiles, as one file. Throws Error naming both.
+void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to,
+                const Progress& progress = {});
 
 // Throws Error where the file is not what a line of the log wrote.
 void require_logged(const std::filesystem::path& file, const std::string& sha256, int line);

@@ -15,6 +15,7 @@
 #include "surface/file/sha256.h"
 #include "surface/maps/surface_part.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_tiles.h"
 
 namespace tangi {
 
@@ -116,7 +117,7 @@ std::vector<std::string> keep_canvas(const PendingStep& pending, const Treatment
 json entry_of(const TreatmentStep& step, const Author& author, const std::string& dry_sha256) {
     json inputs = json::object();
     for (const fs::path& input : step.inputs) {
-        const std::string hash = sha256_of_file(input), name = input.filename().string();
+        const std::string hash = sha256_of_painting(input), name = input.filename().string();
         const bool another = inputs.contains(name) && inputs[name] != hash;
         inputs[another ? input.generic_string() : name] = hash;
     }

@@ -26,4 +26,11 @@ inline std::string escaped(const std::string& text) {
     return result;
 }
 
+// JSON within <script>: only "<" could end that early, and JSON lets it be written otherwise.
+inline std::string inside_script(const std::string& text) {
+    std::string result;
+    for (const char c : text) result += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    return result;
+}
+
 }  // namespace tangi

@@ -61,6 +61,8 @@ private:
     std::optional<std::pair<std::string, int>> twice_;  // and its number among all fields
 };
 
+constexpr const char* kAnother = "copy the file again, or make it anew";  // where there is nothing to correct
+
 bool is_control(unsigned char c) { return c < ' ' || c == 0x7f; }
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 bool is_of_word(char c) {
@@ -130,7 +132,7 @@ int line_of(std::string_view text, std::size_t byte) {
 }
 
 std::string why_no_json(std::string_view text, std::size_t byte) {
-    if (std::ranges::all_of(text, is_space)) return "it is empty";
+    if (std::ranges::all_of(text, is_space)) return fmt::format("it is empty; {}", kAnother);
     const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
     const std::size_t line = at == 0 ? 0 : text.find_last_of('\n', at - 1) + 1;
     int column = 0;  // characters, from 1
@@ -142,17 +144,18 @@ std::string why_no_json(std::string_view text, std::size_t byte) {
             return fmt::format("column {}: the byte 0x{:02x} is no UTF-8; save it as a text in UTF-8", column,
                                first);
         if (first < ' ' && !is_space(text[i]))
-            return fmt::format("column {}: a byte 0x{:02x}, which no text has; it is damaged or no text",
-                               column, first);
+            return fmt::format("column {}: a byte 0x{:02x}, which no text has; {}", column, first, kAnother);
         i += std::max<std::size_t>(length, 1);
     }
-    if (at == text.size()) return "it ends before it is complete, as if cut off";
+    if (at == text.size()) return fmt::format("it ends before it is complete, as if cut off; {}", kAnother);
     if (is_space(text[at]))
-        return fmt::format("column {}: a tab or line end where the text before it is not over", column);
+        return fmt::format(
+            "column {}: a tab or line end where the text before it is not over; close its quotes", column);
     const std::string_view word = word_at(text, at);
     for (const std::string_view none : {"NaN", "nan", "Infinity", "-Infinity", "inf", "-inf"})
-        if (word == none) return fmt::format("column {}: JSON has no NaN and no Infinity", column);
-    return fmt::format("column {}: '{}' does not belong there", column, shortened(word, 40));
+        if (word == none)
+            return fmt::format("column {}: JSON has no NaN and no Infinity; write a number", column);
+    return fmt::format("column {}: '{}' does not belong there; correct it", column, shortened(word, 40));
 }
 
 std::string shown(const json& value) {

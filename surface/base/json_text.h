@@ -20,8 +20,8 @@ std::string json_lines(const nlohmann::json& value, int indent = 2);
 
 // The line that a place in a text is in, from 1.
 int line_of(std::string_view text, std::size_t byte);
-// Why a text is no JSON, at the place where a parser gave up (parse_error::byte), with its column: cut off,
-// not UTF-8, not a text at all, NaN, or what does not belong there.
+// Why a text is no JSON, at the place where a parser gave up (parse_error::byte), with its column, and what
+// to do about it: cut off, not UTF-8, not a text at all, NaN, or what does not belong there.
 std::string why_no_json(std::string_view text, std::size_t byte);
 
 // A value in a message: numbers as short as they are exact, nothing longer than a line, and each control

@@ -16,6 +16,7 @@
 #include "surface/file/atomic_file.h"
 #include "surface/file/output_set.h"
 #include "surface/file/stale_temporaries.h"
+#include "surface/file/version.h"
 
 namespace tangi {
 
@@ -113,6 +114,7 @@ std::vector<std::string> AtomicFolder::commit() {
     nlohmann::json list = nlohmann::json::object();
     if (files.contains(contents_)) list = read_json(read_text_file(contents), contents.string());
     list["files"] = files;
+    list["software"] = program_name();
     told_of(temporary_, target_, [&] { write_text_file(contents, json_lines(list)); });
     const bool replaces = fs::exists(target_);
     if (replaces) require_own();  // still

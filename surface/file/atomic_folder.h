@@ -30,8 +30,8 @@ public:
     const std::filesystem::path& target() const { return target_; }
 
     // Writes the list into the file of contents, which may be there with fields of its own (a JSON object),
-    // and puts the folder in place. Throws Error naming the target. Returns the list: the files, relative to
-    // the folder.
+    // and by which program it is, and puts the folder in place. Throws Error naming the target. Returns the
+    // list: the files, relative to the folder.
     std::vector<std::string> commit();
 
 private:

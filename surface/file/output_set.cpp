@@ -116,7 +116,11 @@ void OutputSet::done(bool cleaned) {
 
 void OutputSet::commit() {
     std::vector<std::unique_ptr<RecordFile>> records;
-    if (parts_.size() > 1) {
+    // A folder that is replaced is two names that change.
+    const bool replaces_folder = std::ranges::any_of(parts_, [](const Part& part) {
+        return fs::is_directory(part.folder / part.move.from) && fs::is_directory(part.folder / part.move.to);
+    });
+    if (parts_.size() > 1 || replaces_folder) {
         std::map<fs::path, OutputRecord> by_folder;
         for (const Part& part : parts_) by_folder[part.folder].moves.push_back(part.move);
         for (const auto& [folder, record] : by_folder) tidy_folder(folder);

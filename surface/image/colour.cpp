@@ -10,6 +10,8 @@
 #include <limits>
 #include <numbers>
 
+#include "surface/math/portable_math.h"
+
 namespace tangi {
 
 namespace {
@@ -58,7 +60,7 @@ float Transfer::encode(float linear) const {
         case Kind::linear:
             break;
         case Kind::srgb:
-            return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+            return x <= 0.0031308f ? 12.92f * x : 1.055f * portable::pow(x, 1 / 2.4f) - 0.055f;
         case Kind::gamma:
             return std::pow(x, static_cast<float>(1 / gamma));
         case Kind::curve:
@@ -73,7 +75,7 @@ float Transfer::decode(float encoded) const {
         case Kind::linear:
             break;
         case Kind::srgb:
-            return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+            return x <= 0.04045f ? x / 12.92f : portable::pow((x + 0.055f) / 1.055f, 2.4f);
         case Kind::gamma:
             return std::pow(x, static_cast<float>(gamma));
         case Kind::curve:

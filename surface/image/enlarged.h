@@ -11,4 +11,7 @@ namespace tangi {
 Image<Vec3> enlarged_linearly(const Image<Vec3>& image, int factor, int width, int height);
 Image<float> enlarged_smoothly(const Image<float>& image, int factor, int width, int height);
 
+// A part of it alone, with the same bits.
+Image<Vec3> enlarged_linearly(const Image<Vec3>& image, int factor, const Region& part);
+
 }  // namespace tangi

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "surface/image/image_memory.h"
+
 namespace tangi {
 
 using Vec3 = glm::vec3;
@@ -64,7 +66,7 @@ private:
 
     int width_ = 0;
     int height_ = 0;
-    std::vector<T> pixels_;
+    std::vector<T, ImageAllocator<T>> pixels_;
 };
 
 }  // namespace tangi

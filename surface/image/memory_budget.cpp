@@ -12,7 +12,9 @@
 #include <string>
 
 #include "surface/base/error.h"
+#include "surface/file/scratch_memory.h"
 #include "surface/image/image.h"
+#include "surface/image/image_memory.h"
 
 namespace tangi {
 
@@ -105,15 +107,22 @@ double memory_left(const fs::path& root) {
     return std::max(std::min(left, left_of_cgroups(root)), 0.0);
 }
 
-void require_memory(const fs::path& path, double bytes, std::string_view what) {
-    constexpr double kWorthAsking = 64.0 * 1024 * 1024;  // looking takes as long as unpacking some megabytes
-    if (!(bytes > kWorthAsking)) return;
-    const double left = memory_left();
+namespace {
+
+constexpr double kWorthAsking = 64.0 * 1024 * 1024;  // looking takes as long as unpacking some megabytes
+
+void require_left(const fs::path& path, double bytes, double left, std::string_view what) {
     if (bytes <= left) return;
     fail(
         "{}: {} takes {:.1f} GB of memory, and {:.1f} GB are left; reduce it, or cut it in parts, or give "
         "the program more (ulimit -v, or the limit of a container)",
         path.string(), what, bytes / 1e9, left / 1e9);
+}
+
+}  // namespace
+
+void require_memory(const fs::path& path, double bytes, std::string_view what) {
+    if (bytes > kWorthAsking) require_left(path, bytes, memory_left(), what);
 }
 
 namespace {
@@ -141,8 +150,18 @@ void MemoryClaim::give_back() {
 void require_memory_of_surface(const fs::path& path, int width, int height, double beside,
                                std::string_view what) {
     constexpr double maps = sizeof(Vec3) + sizeof(Rgb) + 4 * sizeof(float);  // surface.h
-    require_memory(path, (maps + beside) * width * height,
-                   fmt::format("{} of {} x {} pixels", what, width, height));
+    const double bytes = (maps + beside) * width * height;
+    const std::string all = fmt::format("{} of {} x {} pixels", what, width, height);
+    if (!images_go_to_disk(bytes)) return require_memory(path, bytes, all);
+    require_left(path, bytes, left_of_limits("/proc"), all);  // what is on disk takes addresses, too
+    const std::string folder = folder_for_scratch_memory();
+    std::error_code unknown;
+    const fs::space_info room = fs::space(folder, unknown);
+    if (!unknown && static_cast<double>(room.available) < bytes)
+        fail(
+            "{}: {} takes {:.1f} GB on disk in {}, and {:.1f} GB are left; set TMPDIR to a folder with more "
+            "room",
+            path.string(), all, bytes / 1e9, folder, static_cast<double>(room.available) / 1e9);
 }
 
 }  // namespace tangi

@@ -38,7 +38,8 @@ private:
     double bytes_ = 0;
 };
 
-// require_memory() for the maps that every Surface of this size has, and `beside` bytes a pixel more.
+// require_memory() for the maps that every Surface of this size has, and `beside` bytes a pixel more; where
+// images of that size lie on disk (image_memory.h), that there is room. Throws Error naming file and folder.
 void require_memory_of_surface(const std::filesystem::path& path, int width, int height, double beside,
                                std::string_view what);
 

@@ -1,29 +1,20 @@
 #include "surface/image_file/image_io.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdlib>
-#include <ctime>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
-#include "surface/base/json_text.h"
-#include "surface/base/memory_error.h"
 #include "surface/base/parallel.h"
-#include "surface/file/atomic_file.h"
-#include "surface/file/atomic_folder.h"
-#include "surface/file/file_bytes.h"
-#include "surface/file/memory_file.h"
 #include "surface/image/memory_budget.h"
-#include "surface/image_file/icc_profile.h"
 #include "surface/image_file/image_alpha.h"
 #include "surface/image_file/picture_rows.h"
+#include "surface/image_file/sample_writer.h"
 
 namespace tangi {
 
@@ -31,47 +22,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-enum class Depth { eight, sixteen, real };
-
-Depth depth_of(const fs::path& path, const PictureStorage& storage = {}) {
+SampleDepth depth_of(const fs::path& path, const PictureStorage& storage = {}) {
     TP_REQUIRE(storage.bits == 8 || storage.bits == 16, "integer pictures have 8 or 16 bits a sample");
     const std::string extension = lower_extension(path);
     if (extension == ".png" || extension == ".tif" || extension == ".tiff")
-        return storage.bits == 8 ? Depth::eight : Depth::sixteen;
-    if (extension == ".jpg" || extension == ".jpeg") return Depth::eight;
-    if (extension == ".exr") return Depth::real;
+        return storage.bits == 8 ? SampleDepth::eight : SampleDepth::sixteen;
+    if (extension == ".jpg" || extension == ".jpeg") return SampleDepth::eight;
+    if (extension == ".exr") return SampleDepth::real;
     fail("{}: pictures are written as .png, .tif, .jpg or .exr", path.string());
-}
-
-std::string format_of(const fs::path& path) {
-    const std::string extension = lower_extension(path);
-    return extension.empty() ? extension : extension.substr(1);
-}
-
-// The same input gives the same bytes: OpenImageIO would write the time at which it runs into EXR and TIFF
-// files. Who wants a date there gives it, as other programs take it (reproducible-builds.org).
-std::string date_of_file() {
-    const char* text = std::getenv("SOURCE_DATE_EPOCH");
-    char* end = nullptr;
-    const long long seconds = text ? std::strtoll(text, &end, 10) : 0;
-    if (!text || end == text || *end != '\0' || seconds < 0 || seconds > 253'402'300'799) return {};
-    const auto time = static_cast<std::time_t>(seconds);
-    std::tm utc{};
-    std::array<char, 32> date{};
-    if (!::gmtime_r(&time, &utc) || std::strftime(date.data(), date.size(), "%Y:%m:%d %H:%M:%S", &utc) == 0)
-        return {};
-    return date.data();
-}
-
-bool is_readable(const std::string& format, const std::string& path) {
-    const auto input = OIIO::ImageInput::create(format);
-    OIIO::ImageSpec spec;
-    if (!input || !input->open(path, spec)) return false;
-    std::vector<float> row(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
-    for (int y = 0; y < spec.height; ++y)
-        if (!input->read_scanline(y, 0, OIIO::TypeDesc::FLOAT, row.data()) || input->has_error())
-            return false;
-    return true;
 }
 
 // As OpenImageIO's writers take it; nothing where a file has no word for it.
@@ -94,74 +52,26 @@ constexpr int kStrip = 256;  // [rows] that are encoded at once: whole blocks of
 // Numbers of the rows from `begin` on, interleaved.
 using RowSource = std::function<const float*(int begin, int end)>;
 
-// How samples are stored.
-struct SampleStorage {
-    int channels;
-    Depth depth;
-    std::string colour_space;
-    int jpeg_quality = 95;
-    bool is_srgb = false;
-};
-
-OIIO::ImageSpec spec_to_write(const std::string& extension, const Region& size,
-                              const SampleStorage& storage) {
-    const auto& [channels, depth, colour_space, jpeg_quality, is_srgb] = storage;
-    OIIO::ImageSpec spec(size.width(), size.height(), channels,
-                         depth == Depth::real      ? OIIO::TypeDesc::FLOAT
-                         : depth == Depth::sixteen ? OIIO::TypeDesc::UINT16
-                                                   : OIIO::TypeDesc::UINT8);
-    // A PNG says how it is encoded once: a profile, or an sRGB chunk (ISO/IEC 15948, 11.3.3.3).
-    const bool says_it_otherwise = extension == ".png" && is_srgb;
-    if (!says_it_otherwise && !colour_space.empty()) spec.attribute("oiio:ColorSpace", colour_space);
-    if (extension.starts_with(".tif") || depth == Depth::real) spec.attribute("DateTime", date_of_file());
-    if (is_srgb) {
-        const std::string profile = srgb_icc_profile();
-        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
-                       profile.data());
-    }
-    // The lower half of 16 bits is noise, in which looking for more than the nearest matches finds 1 %.
-    const bool quick = depth == Depth::sixteen;
-    spec.attribute("Compression", extension.starts_with(".jp") ? fmt::format("jpeg:{}", jpeg_quality)
-                                                               : (quick ? "zip:1" : "zip"));
-    if (quick) spec.attribute("png:compressionLevel", 1);
-    return spec;
-}
-
 void write_samples(const fs::path& path, const RowSource& rows, const Region& size,
                    const SampleStorage& storage) {
-    AtomicFile file(path);
-    const std::string extension = lower_extension(path);
-    const bool is_tiff = extension.starts_with(".tif");
-    const auto output = OIIO::ImageOutput::create(format_of(path));  // a path may hold a '?'
-    if (!output) fail("{}: no writer for this format: {}", path.string(), OIIO::geterror());
-    const OIIO::ImageSpec spec = spec_to_write(extension, size, storage);
-    // On a full disk OpenImageIO's writers notice little, and libjpeg ends the process: they write to memory.
-    // That of TIFF cannot (OpenImageIO 2.4), and gets a file that is memory; what it wrote is read back.
-    std::vector<unsigned char> bytes;
-    OIIO::Filesystem::IOVecOutput memory(bytes);
-    std::optional<MemoryFile> memory_file;
-    if (is_tiff) memory_file.emplace();
-    if (!is_tiff) output->set_ioproxy(&memory);
-    bool written = output->open(is_tiff ? memory_file->path() : file.temporary().string(), spec);
-    for (int y = 0; y < size.height() && written; y += kStrip) {
+    SampleWriter writer(path, size.width(), size.height(), storage);
+    for (int y = 0; y < size.height(); y += kStrip) {
         const int end = std::min(y + kStrip, size.height());
-        written = output->write_scanlines(y, end, 0, OIIO::TypeDesc::FLOAT, rows(y, end));
+        writer.write(y, end, rows(y, end));
     }
-    written = written && output->close();
-    if (is_tiff && !(written && is_readable("tiff", memory_file->path())))
-        fail("{}: cannot be written: {}", path.string(), memory_file->refusal());
-    if (!written) {
-        const std::string why = output->geterror();
-        fail("{}: cannot be written: {}", path.string(), says_no_memory(why) ? kNoMemory : first_line(why));
-    }
-    file.write(is_tiff ? memory_file->bytes()
-                       : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-    // OpenEXR (3.1) may leave out rows without a word where there was no memory to pack them.
-    if (extension == ".exr" && !is_readable("openexr", file.temporary().string())) {
-        told_of(file.temporary(), path, [&] { require_readable(file.temporary()); });  // or the disk fails
-        fail("{}: cannot be written: {}", path.string(), kNoMemory);
-    }
-    file.commit();
+    writer.commit();
+}
+
+SampleStorage storage_of(const fs::path& path, const Transfer& transfer, const PictureStorage& storage) {
+    const SampleDepth depth = depth_of(path, storage);
+    if (depth == SampleDepth::real && transfer.kind != Transfer::Kind::linear)
+        fail("{}: EXR files hold linear light; use --encoding linear, or write .png or .tif", path.string());
+    return {3,
+            depth,
+            colour_space_of(transfer),
+            storage.jpeg_quality,
+            transfer.kind == Transfer::Kind::srgb,
+            storage.notes};
 }
 
 }  // namespace
@@ -170,40 +80,66 @@ std::string lower_extension(const fs::path& path) { return lower_case(path.exten
 
 void require_picture_format(const fs::path& path) { depth_of(path); }
 
+struct PictureWriter::Impl {
+    Transfer transfer;
+    bool encodes;
+    int height, row = 0;
+    SampleWriter writer;
+    Image<Rgb> strip{};
+};
+
+PictureWriter::PictureWriter(const fs::path& path, int width, int height, const Transfer& transfer,
+                             const PictureStorage& storage) {
+    const SampleStorage samples = storage_of(path, transfer, storage);
+    impl_.reset(new Impl{transfer, samples.depth != SampleDepth::real, height, 0,
+                         SampleWriter(path, width, height, samples)});
+}
+PictureWriter::~PictureWriter() = default;
+PictureWriter::PictureWriter(PictureWriter&&) noexcept = default;
+
+void PictureWriter::write(const Image<Rgb>& linear) {
+    Impl& i = *impl_;
+    TP_REQUIRE(i.row + linear.height() <= i.height, "as many rows as the picture has");
+    if (i.encodes && i.strip.width() != linear.width()) i.strip = Image<Rgb>(linear.width(), kStrip);
+    for (int y = 0; y < linear.height();) {
+        const int rows = std::min(kStrip - i.row % kStrip, linear.height() - y);
+        if (i.encodes)
+            parallel_for(0, rows, 8, [&](int first, int last) {
+                for (int r = first; r < last; ++r)
+                    std::ranges::transform(linear.row(y + r), i.strip.row(r).begin(),
+                                           [&](const Rgb& pixel) { return i.transfer.encode(pixel); });
+            });
+        i.writer.write(i.row, i.row + rows, i.encodes ? &i.strip(0, 0).r : &linear(0, y).r);
+        i.row += rows;
+        y += rows;
+    }
+}
+
+void PictureWriter::commit() {
+    TP_REQUIRE(impl_->row == impl_->height, "all rows are written");
+    impl_->writer.commit();
+}
+
 void write_picture(const fs::path& path, const Image<Rgb>& linear, const Transfer& transfer,
                    const PictureStorage& storage) {
-    const Depth depth = depth_of(path, storage);
-    if (depth == Depth::real && transfer.kind != Transfer::Kind::linear)
-        fail("{}: EXR files hold linear light; use --encoding linear, or write .png or .tif", path.string());
-    Image<Rgb> strip;
-    const auto encoded = [&](int begin, int end) {
-        if (depth == Depth::real) return &linear(0, begin).r;
-        if (strip.empty()) strip = Image<Rgb>(linear.width(), std::min(kStrip, linear.height()));
-        parallel_for(begin, end, 8, [&](int first, int last) {
-            for (int y = first; y < last; ++y)
-                std::ranges::transform(linear.row(y), strip.row(y - begin).begin(),
-                                       [&](const Rgb& pixel) { return transfer.encode(pixel); });
-        });
-        return &std::as_const(strip)(0, 0).r;
-    };
-    write_samples(
-        path, encoded, linear.region(),
-        {3, depth, colour_space_of(transfer), storage.jpeg_quality, transfer.kind == Transfer::Kind::srgb});
+    PictureWriter writer(path, linear.width(), linear.height(), transfer, storage);
+    writer.write(linear);
+    writer.commit();
 }
 
 void write_map(const fs::path& path, const Image<float>& values, const PictureStorage& storage) {
     write_samples(path, [&](int y, int) { return &values(0, y); }, values.region(),
-                  {1, depth_of(path, storage), {}, storage.jpeg_quality});
+                  {1, depth_of(path, storage), {}, storage.jpeg_quality, false, storage.notes});
 }
 
 void write_map(const fs::path& path, const Image<Rgb>& values, const PictureStorage& storage) {
     write_samples(path, [&](int y, int) { return &values(0, y).r; }, values.region(),
-                  {3, depth_of(path, storage), {}, storage.jpeg_quality});
+                  {3, depth_of(path, storage), {}, storage.jpeg_quality, false, storage.notes});
 }
 
-void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb) {
+void write_picture_8bit(const fs::path& path, const Image<Rgb>& encoded_srgb, const PictureStorage& storage) {
     write_samples(path, [&](int y, int) { return &encoded_srgb(0, y).r; }, encoded_srgb.region(),
-                  {3, Depth::eight, "sRGB", 95, true});
+                  {3, SampleDepth::eight, "sRGB", storage.jpeg_quality, true, storage.notes});
 }
 
 namespace {

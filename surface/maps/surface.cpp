@@ -15,8 +15,8 @@ namespace tangi {
 namespace {
 
 // Pixels from the centre of the picture, y up.
-double centred_x(int x, int width) { return x - (width - 1) / 2.0; }
-double centred_y(int y, int height) { return (height - 1) / 2.0 - y; }
+double centred_x(int x, double width) { return x - (width - 1) / 2.0; }
+double centred_y(int y, double height) { return (height - 1) / 2.0 - y; }
 
 // Names come from file systems, where any bytes are allowed; what is not UTF-8 in them is lost in a painting
 // file.
@@ -39,8 +39,10 @@ Surface::Surface(int width, int height) {
 }
 
 Vec3 Surface::point_mm(int x, int y) const {
-    return {static_cast<float>(centred_x(x, width()) * mm_per_pixel),
-            static_cast<float>(centred_y(y, height()) * mm_per_pixel), height_mm(x, y)};
+    const PartOfPainting place =
+        part_of.value_or(PartOfPainting{0, 0, static_cast<double>(width()), static_cast<double>(height())});
+    return {static_cast<float>(centred_x(x + place.left, place.width) * mm_per_pixel),
+            static_cast<float>(centred_y(y + place.top, place.height) * mm_per_pixel), height_mm(x, y)};
 }
 
 glm::dmat3 from_camera(const Photography& photography) {

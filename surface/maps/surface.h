@@ -59,6 +59,13 @@ std::vector<Vec3> directions_as_listed(const Photography& photography);
 // as the lights that were photographed make likely.
 Light as_photographed(const Light& light, const Photography& photography);
 
+// Where a surface lies in a painting that it is a part of.
+struct PartOfPainting {
+    int left = 0, top = 0;  // [pixels] of its upper left pixel
+    // [pixels] of the whole; no whole number where a pixel stands for several of the painting.
+    double width = 0, height = 0;
+};
+
 // All maps have the same size. A pixel that was not measured has confidence 0, normal (0, 0, 1) and rho_d =
 // 0.
 struct Surface {
@@ -78,6 +85,8 @@ struct Surface {
     bool scale_known = false;            // false: mm_per_pixel is a guess; what heights are in: height_unit.h
     Photography photography;             // empty where the surface does not come from photographs
     std::string provenance;              // JSON: program, version, options, inputs
+    // Where it is a part of a painting: then its frame has its origin at the painting's centre.
+    std::optional<PartOfPainting> part_of{};
 
     Surface() = default;
     Surface(int width, int height);  // flat, matt, black, not measured

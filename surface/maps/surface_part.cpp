@@ -18,4 +18,19 @@ Surface cut(const Surface& surface, const Region& part) {
     return result;
 }
 
+void paste(const Surface& part, Surface& into, int x, int y) {
+    paste(part, part.height_mm.region(), into, x, y);
+}
+
+void paste(const Surface& from, const Region& region, Surface& into, int x, int y) {
+    paste(from.height_mm, region, into.height_mm, x, y);
+    paste(from.normal, region, into.normal, x, y);
+    paste(from.diffuse, region, into.diffuse, x, y);
+    paste(from.specular, region, into.specular, x, y);
+    paste(from.roughness, region, into.roughness, x, y);
+    paste(from.confidence, region, into.confidence, x, y);
+    paste(from.specular_colour, region, into.specular_colour, x, y);
+    paste(from.lobe_axes, region, into.lobe_axes, x, y);
+}
+
 }  // namespace tangi

@@ -12,8 +12,8 @@ namespace tangi {
 
 class PartPixels {
 public:
-    // Holds the file open: it stays readable where another one takes its place. Throws Error naming the file
-    // and the part: missing, damaged.
+    // Holds a file open: it stays readable where another one takes its place. Throws Error naming the file
+    // or folder and the part: missing, damaged.
     PartPixels(const std::filesystem::path& painting, const PartInfo& part);
     ~PartPixels();
     PartPixels(PartPixels&&) noexcept;
@@ -22,12 +22,13 @@ public:
     const PartInfo& info() const;
 
     // The values of all channels, in the order of info().channels; 0 <= x < width, 0 <= y < height. Reads the
-    // rows that are packed together with this one, and keeps them until others are needed. Throws Error:
-    // damaged.
+    // rows that are packed together with this one, or its tile, and keeps them until others are needed.
+    // Throws Error: damaged.
     std::span<const float> at(int x, int y);
 
-private:
     struct Impl;
+
+private:
     std::unique_ptr<Impl> impl_;
 };
 

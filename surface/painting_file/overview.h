@@ -14,6 +14,7 @@
 
 #include "surface/maps/surface.h"
 #include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/painting_reader.h"
 
 namespace tangi {
 
@@ -27,9 +28,13 @@ void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Su
 void add_overview(std::vector<PartToWrite>& parts, const std::function<Surface(const Region&)>& seen,
                   const Surface& dry);
 
+// The same of a painting that is read; what is seen of it is its dry layer.
+void add_overview(std::vector<PartToWrite>& parts, const PaintingReader& painting);
+
 // Whether a painting is so large that it has one.
 bool wants_overview(const Surface& dry);
 bool is_overview(const PartToWrite& part);
+bool is_overview_of(const PartToWrite& part, const std::string& dry_hash);  // as it is now
 
 struct Overview {
     Surface surface;            // reduced: its pixels are larger, its mm_per_pixel says how large

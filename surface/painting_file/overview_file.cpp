@@ -8,9 +8,11 @@
 
 #include "surface/base/parallel.h"
 #include "surface/image_file/painting_errors.h"
+#include "surface/maps/material.h"
 #include "surface/painting_file/exr_attribute.h"
 #include "surface/painting_file/overview.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_tiles.h"
 
 namespace tangi {
 
@@ -48,32 +50,10 @@ std::array<ChannelPlane, 10> planes_of(Surface& s) {
 
 // Of the pixels in `r`, into pixel (x, y) of `small`.
 void average(const Surface& s, const Region& r, Surface& small, int x, int y) {
-    Vec3 normal(0);
-    Rgb diffuse(0);
-    float specular = 0, height = 0, confidence = 0, gloss = 0, slope_x = 0, slope_y = 0, spread = 0;
+    MeanMaterial mean(false);
     for (int sy = r.y0; sy < r.y1; ++sy)
-        for (int sx = r.x0; sx < r.x1; ++sx) {
-            const Vec3& n = s.normal(sx, sy);
-            const Slope slope = slope_of(n);
-            const float weight = s.specular(sx, sy) + 1e-6f, alpha = s.roughness(sx, sy);
-            normal += n;
-            diffuse += s.diffuse(sx, sy);
-            specular += s.specular(sx, sy);
-            height += s.height_mm(sx, sy);
-            confidence += s.confidence(sx, sy);
-            gloss += weight;
-            slope_x += weight * slope.x;
-            slope_y += weight * slope.y;
-            spread += weight * (alpha * alpha + slope.x * slope.x + slope.y * slope.y);
-        }
-    const auto count = static_cast<float>(r.width() * r.height());
-    const float mean_x = slope_x / gloss, mean_y = slope_y / gloss;
-    small.normal(x, y) = glm::normalize(normal);
-    small.diffuse(x, y) = diffuse * (glm::length(normal) / (count * count));
-    small.specular(x, y) = specular / count;
-    small.height_mm(x, y) = height / count;
-    small.confidence(x, y) = confidence / count;
-    small.roughness(x, y) = std::sqrt(std::max(spread / gloss - mean_x * mean_x - mean_y * mean_y, 1e-8f));
+        for (int sx = r.x0; sx < r.x1; ++sx) mean.add(material_at(s, sx, sy));
+    set_material(small, x, y, mean.material());
 }
 
 // Rows of `small` from `first` on, as many as there are in `s`.
@@ -88,17 +68,12 @@ void reduce_band(const Surface& s, int factor, Surface& small, int first) {
     });
 }
 
-int factor_of(const Surface& s) { return (std::max(s.width(), s.height()) + kSide - 1) / kSide; }
+int factor_of(int width, int height) { return (std::max(width, height) + kSide - 1) / kSide; }
 
-Surface empty_overview(const Surface& s) {
-    const int factor = factor_of(s);
-    return {(s.width() + factor - 1) / factor, (s.height() + factor - 1) / factor};
-}
-
-PartToWrite part_of_overview(Surface&& overview, const Surface& dry) {
+PartToWrite part_of_overview(Surface&& overview, const std::string& dry_hash) {
     const auto small = std::make_shared<Surface>(std::move(overview));
     PartToWrite part;
-    part.info = {kOverview, small->width(), small->height(), kChannels, {{kHash, hash_of(dry)}}, true};
+    part.info = {kOverview, small->width(), small->height(), kChannels, {{kHash, dry_hash}}, true};
     part.fill = [small](int y0, int y1, std::span<float* const> rows) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * small->width(),
                              count = static_cast<std::ptrdiff_t>(y1 - y0) * small->width();
@@ -172,34 +147,60 @@ std::optional<Overview> read(const fs::path& path) {
     return overview;
 }
 
+// Of what is seen in bands of rows, of a painting of so many pixels.
+Surface reduced(const std::function<Surface(const Region&)>& seen, int width, int height) {
+    const int factor = factor_of(width, height), rows = std::max(kBandRows / factor, 1);
+    Surface small((width + factor - 1) / factor, (height + factor - 1) / factor);
+    for (int y = 0; y < small.height(); y += rows)
+        reduce_band(seen({0, y * factor, width, std::min((y + rows) * factor, height)}), factor, small, y);
+    return small;
+}
+
 }  // namespace
 
 bool wants_overview(const Surface& dry) { return dry.height_mm.size() >= kFewest; }
 
 bool is_overview(const PartToWrite& part) { return part.info.name == kOverview; }
 
+bool is_overview_of(const PartToWrite& part, const std::string& dry_hash) {
+    const auto hash = part.info.attributes.find(kHash);
+    return is_overview(part) && hash != part.info.attributes.end() && hash->second == dry_hash;
+}
+
 void add_overview(std::vector<PartToWrite>& parts, const Surface& seen, const Surface& dry) {
     std::erase_if(parts, is_overview);
     if (!wants_overview(seen)) return;
-    Surface small = empty_overview(seen);
-    reduce_band(seen, factor_of(seen), small, 0);
-    parts.push_back(part_of_overview(std::move(small), dry));
+    const int factor = factor_of(seen.width(), seen.height());
+    Surface small((seen.width() + factor - 1) / factor, (seen.height() + factor - 1) / factor);
+    reduce_band(seen, factor, small, 0);
+    parts.push_back(part_of_overview(std::move(small), hash_of(dry)));
 }
 
 void add_overview(std::vector<PartToWrite>& parts, const std::function<Surface(const Region&)>& seen,
                   const Surface& dry) {
     std::erase_if(parts, is_overview);
     if (!wants_overview(dry)) return;
-    const int factor = factor_of(dry), rows = std::max(kBandRows / factor, 1);
-    Surface small = empty_overview(dry);
-    for (int y = 0; y < small.height(); y += rows)
-        reduce_band(seen({0, y * factor, dry.width(), std::min((y + rows) * factor, dry.height())}), factor,
-                    small, y);
-    parts.push_back(part_of_overview(std::move(small), dry));
+    parts.push_back(part_of_overview(reduced(seen, dry.width(), dry.height()), hash_of(dry)));
+}
+
+void add_overview(std::vector<PartToWrite>& parts, const PaintingReader& painting) {
+    std::erase_if(parts, is_overview);
+    const int width = painting.width(), height = painting.height();
+    if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) < kFewest) return;
+    const auto seen = [&](const Region& rows) { return painting.read_rows(rows.y0, rows.y1); };
+    parts.push_back(part_of_overview(reduced(seen, width, height), painting.header().dry_hash));
 }
 
 std::optional<Overview> read_overview(const fs::path& path) {
-    return reading_painting(path, [&] { return read(path); });
+    if (!is_tiled_painting(path)) return reading_painting(path, [&] { return read(path); });
+    const auto painting = open_painting(path);
+    const int coarsest = painting->levels() - 1;
+    if (coarsest == 0) return {};
+    Overview overview{painting->read(painting->extent(coarsest).region(), coarsest), painting->width(),
+                      painting->height()};
+    overview.surface.photography = {};
+    overview.surface.part_of.reset();
+    return overview;
 }
 
 }  // namespace tangi

@@ -16,6 +16,8 @@
 
 namespace tangi {
 
+constexpr int kPaintingFormatVersion = 2;  // 1, or none: of version 0.1 (docs/reference/formats.md)
+
 // Writes whole or not at all. Throws Error naming the file on a full disk, a missing folder, …
 void write_painting(const std::filesystem::path& path, const Surface& surface, const Progress& progress = {});
 

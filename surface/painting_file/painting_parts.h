@@ -50,4 +50,9 @@ void read_painting_part(const std::filesystem::path& path, const PartInfo& info,
                         const std::function<void(int y0, int y1, std::span<const float* const> planes)>& take,
                         const Progress& progress = {});
 
+// The same of the rows [first, end) only.
+void read_painting_rows(const std::filesystem::path& path, const PartInfo& info, int first, int end,
+                        const std::function<void(int y0, int y1, std::span<const float* const> planes)>& take,
+                        const Progress& progress = {});
+
 }  // namespace tangi

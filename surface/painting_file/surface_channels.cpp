@@ -48,8 +48,9 @@ std::string wrong_at(const Surface& s, std::span<const DryChannel> channels, std
     return {};
 }
 
-std::string said_at(const std::string& what, int x, int y) {
-    return what.empty() ? what : fmt::format("{} at pixel ({}, {})", what, x, y);
+std::string said_at(const std::string& what, const Surface& s, int x, int y) {
+    const PartOfPainting place = s.part_of.value_or(PartOfPainting{});
+    return what.empty() ? what : fmt::format("{} at pixel ({}, {})", what, place.left + x, place.top + y);
 }
 
 // Other programs write zeros where nothing was measured: what surface.h promises of such pixels.
@@ -122,7 +123,7 @@ void make_usable(Surface& s, int y0, int y1, std::vector<std::string>& wrong) {
             } else if (s.confidence.pixels()[i] <= 0) {
                 clear_pixel(s, i);
             } else if (wrong[static_cast<std::size_t>(y)].empty()) {
-                wrong[static_cast<std::size_t>(y)] = said_at(what, x, y);
+                wrong[static_cast<std::size_t>(y)] = said_at(what, s, x, y);
             }
         }
 }
@@ -136,7 +137,7 @@ std::string first_wrong(const Surface& s) {
                 const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width()) +
                                static_cast<std::size_t>(x);
                 if (!is_plain(s, channels, i) && !(s.confidence.pixels()[i] <= 0))
-                    wrong[static_cast<std::size_t>(y)] = said_at(wrong_at(s, channels, i), x, y);
+                    wrong[static_cast<std::size_t>(y)] = said_at(wrong_at(s, channels, i), s, x, y);
             }
     });
     const auto found =
@@ -171,12 +172,20 @@ std::string joined_hash(std::span<const std::uint64_t> rows) {
     return fmt::format("{:016x}", hash);
 }
 
-std::string hash_of(const Surface& s) {
-    std::vector<std::uint64_t> rows(static_cast<std::size_t>(s.height()));
+void hash_all_rows(const Surface& s, std::span<std::uint64_t> hashes) {
     const auto channels = channels_of(const_cast<Surface&>(s));  // read only
     parallel_for(0, s.height(), 16,
-                 [&](int begin, int end) { hash_rows(channels, s.width(), begin, end, rows); });
+                 [&](int begin, int end) { hash_rows(channels, s.width(), begin, end, hashes); });
+}
+
+std::string hash_of(const Surface& s) {
+    std::vector<std::uint64_t> rows(static_cast<std::size_t>(s.height()));
+    hash_all_rows(s, rows);
     return joined_hash(rows);
+}
+
+double kept_scale_mm(double mm_per_pixel) {
+    return std::stod(fmt::format("{}", static_cast<float>(mm_per_pixel)));
 }
 
 }  // namespace tangi

@@ -39,6 +39,9 @@ std::string first_wrong(const Surface& surface);
 void hash_rows(std::span<const DryChannel> channels, int width, int y0, int y1,
                std::span<std::uint64_t> hashes);
 
+// Those of all rows of a surface, on all threads.
+void hash_all_rows(const Surface& surface, std::span<std::uint64_t> hashes);
+
 // Of the whole. Rows are hashed side by side and their hashes joined in order, so threads don't change it.
 std::string joined_hash(std::span<const std::uint64_t> rows);
 

@@ -111,6 +111,14 @@ float CastShadows::steepest_horizon(int x, int y) const {
     return steepest;
 }
 
+float CastShadows::highest_within(int x, int y, int pixels) const {
+    for (int shift = kFinestBlock; const Image<float>& level : highest_) {
+        if (pixels <= 1 << shift) return level(x >> shift, y >> shift);
+        ++shift;
+    }
+    return scene_.highest_mm;
+}
+
 float CastShadows::visible_part(int x, int y, const Vec3& l) const {
     if (height_mm_.width() < 2 || height_mm_.height() < 2) return 1;
     return part_above(march_one(scene_, x, y, l.x, l.y, l.z));

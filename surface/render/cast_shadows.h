@@ -42,6 +42,9 @@ public:
     // infinite where the height is not a number. An upper bound, at least 0.
     float steepest_horizon(int x, int y) const;
 
+    // [mm] No less than the highest point within that many pixels.
+    float highest_within(int x, int y, int pixels) const;
+
     // Whether all of a light is so far above a horizon of this tangent that visible_part() of a pixel with
     // this steepest_horizon() is 1. `across`: length of the direction's x and y.
     bool clears(float horizon, float across, float z) const {

@@ -91,6 +91,13 @@ Relighter::Relighter(const Surface& s, const RelightOptions& options, int lights
     });
 }
 
+Relighter::Relighter(const Surface& s, const RelightOptions& options, const Surroundings& around)
+    : surface_(s), options_(options), left_(around.left), top_(around.top) {
+    if (options.cast_shadows)
+        shadows_ =
+            std::make_unique<CastShadows>(around.height_mm, s.mm_per_pixel, light_radius_deg(s, options));
+}
+
 Relighter::~Relighter() = default;
 
 bool Relighter::clears(int x, int y, const Vec3& l) const {
@@ -121,7 +128,7 @@ void Relighter::add_row(const Light& light, int y, std::span<Rgb> row) const {
             if (shadows_ && direct[lane] != Rgb(0) && !clears(x0 + i, y, in.direction))
                 marched.ask(i, in.direction);
         }
-        if (shadows_) marched.march(*shadows_, x0, y);
+        if (shadows_) marched.march(*shadows_, x0 + left_, y + top_);
         for (int i = 0; i < count; ++i) {
             const auto lane = static_cast<std::size_t>(i);
             row[static_cast<std::size_t>(x0 + i)] +=

@@ -152,31 +152,52 @@ int blocks_of(int pixels, int reduction) { return (pixels + reduction - 1) / red
 
 }  // namespace
 
+ResidualUnderLights residual_under(const RelightingResidual& residual, std::span<const Light> lights) {
+    ResidualUnderLights under;
+    if (residual.empty()) return under;
+    for (const Light& light : lights) under.push_back(residual_under(residual, light.direction));
+    return under;
+}
+
 void add_residual(const RelightingResidual& residual, const Surface& dry, std::span<const Light> lights,
                   const Image<float>& bare, Image<Rgb>& picture) {
+    add_residual(residual, residual_under(residual, lights), dry, lights, bare, picture);
+}
+
+void add_residual(const RelightingResidual& residual, const ResidualUnderLights& under, const Surface& dry,
+                  std::span<const Light> lights, const Image<float>& bare, Image<Rgb>& picture) {
     if (residual.empty()) return;
     const Image<float>& first = residual.brightness.front();
     const int k = residual.reduction;
-    TP_REQUIRE(picture.region() == dry.height_mm.region() && first.width() == blocks_of(dry.width(), k) &&
-                   first.height() == blocks_of(dry.height(), k) &&
-                   (bare.empty() || bare.region() == picture.region()),
+    const PartOfPainting place = dry.part_of.value_or(
+        PartOfPainting{0, 0, static_cast<double>(dry.width()), static_cast<double>(dry.height())});
+    TP_REQUIRE(picture.region() == dry.height_mm.region() &&
+                   first.width() == blocks_of(static_cast<int>(place.width), k) &&
+                   first.height() == blocks_of(static_cast<int>(place.height), k) &&
+                   under.size() == lights.size() && (bare.empty() || bare.region() == picture.region()),
                "picture, painting and residual have one size");
-    for (const Light& light : lights) {
-        const Image<Vec3> blocks = residual_under(residual, light.direction);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const Image<Vec3>& blocks = under[i];
         parallel_for(0, picture.height(), 8, [&](int begin, int end) {
             for (int y = begin; y < end; ++y) {
-                const Between row(y, k, blocks.height());
+                const Between row(place.top + y, k, blocks.height());
                 for (int x = 0; x < picture.width(); ++x) {
                     if (!(dry.confidence(x, y) > 0)) continue;
-                    const Incidence in = incidence(light, dry.point_mm(x, y), dry.photography.rig);
+                    const Incidence in = incidence(lights[i], dry.point_mm(x, y), dry.photography.rig);
                     const Rgb value = colour_frame(dry.diffuse(x, y)) *
-                                      value_at(blocks, Between(x, k, blocks.width()), row);
+                                      value_at(blocks, Between(place.left + x, k, blocks.width()), row);
                     picture(x, y) += (bare.empty() ? 1.0f : bare(x, y)) * in.irradiance * value;
                 }
             }
         });
     }
     for (Rgb& value : picture.pixels()) value = glm::max(value, Rgb(0));
+}
+
+bool belongs_to(const RelightingResidual& residual, const Surface& dry, const RelightOptions& options) {
+    return options.cast_shadows && options.model == WardModel::bounded &&
+           static_cast<float>(light_radius_deg(dry, options)) ==
+               static_cast<float>(residual.light_radius_deg);
 }
 
 std::size_t bytes_of(const RelightingResidual& residual) {
@@ -208,8 +229,8 @@ std::string with_residual_in_vain(const std::string& provenance) {
     return json_line(all);
 }
 
-bool residual_in_vain(const Surface& surface) {
-    const json all = json_or_discarded(surface.provenance);
+bool residual_in_vain(const std::string& provenance) {
+    const json all = json_or_discarded(provenance);
     return all.is_object() &&
            (all.value(kPart, json()) == kInVain || all.value(kPartBefore, json()) == kInVain);
 }
@@ -238,13 +259,12 @@ RelightingResidual read_model(const std::filesystem::path& path, const PartInfo&
     return r;
 }
 
-void require_residual_of(const Surface& dry, const std::filesystem::path& path, const PartInfo& part,
+void require_residual_of(const PaintingHeader& dry, const std::filesystem::path& path, const PartInfo& part,
                          const RelightingResidual& r) {
-    if (part.width != blocks_of(dry.width(), r.reduction) ||
-        part.height != blocks_of(dry.height(), r.reduction))
+    if (part.width != blocks_of(dry.width, r.reduction) || part.height != blocks_of(dry.height, r.reduction))
         fail("{}: part '{}' is {} x {}, but the painting is {} x {}, in blocks of {} pixels", path.string(),
-             kPart, part.width, part.height, dry.width(), dry.height(), r.reduction);
-    if (r.dry_hash != hash_of(dry))
+             kPart, part.width, part.height, dry.width, dry.height, r.reduction);
+    if (r.dry_hash != dry.dry_hash)
         fail("{}: part '{}' belongs to another dry layer (hash {}); fit again, or relight with --no-residual",
              path.string(), kPart, r.dry_hash);
 }
@@ -264,15 +284,26 @@ void take_rows(int y0, int y1, const float* plane, Image<float>& map, const std:
     }
 }
 
+std::optional<PartInfo> residual_part(const std::filesystem::path& path) {
+    for (PartInfo& part : painting_parts(path))
+        if (part.name == kPart || part.name == kPartBefore) return std::move(part);
+    return {};
+}
+
 }  // namespace
 
 RelightingResidual read_residual(const std::filesystem::path& path, const Surface& dry,
                                  const Progress& progress) {
-    const std::vector<PartInfo> parts = painting_parts(path);
-    const auto found = std::find_if(parts.begin(), parts.end(), [](const PartInfo& p) {
-        return p.name == kPart || p.name == kPartBefore;
-    });
-    if (found == parts.end()) return {};
+    if (!residual_part(path)) return {};
+    PaintingHeader header = header_of(dry);
+    header.dry_hash = hash_of(dry);
+    return read_residual(path, header, progress);
+}
+
+RelightingResidual read_residual(const std::filesystem::path& path, const PaintingHeader& dry,
+                                 const Progress& progress) {
+    const std::optional<PartInfo> found = residual_part(path);
+    if (!found) return {};
     RelightingResidual r = read_model(path, *found);
     require_residual_of(dry, path, *found, r);
     r.brightness.resize(r.brightness_weights.size());

@@ -17,6 +17,8 @@
 
 #include "surface/maps/surface.h"
 #include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/painting_reader.h"
+#include "surface/render/relight.h"
 
 namespace tangi {
 
@@ -54,6 +56,17 @@ glm::mat3 colour_frame(const Rgb& diffuse);
 void add_residual(const RelightingResidual& residual, const Surface& dry, std::span<const Light> lights,
                   const Image<float>& bare, Image<Rgb>& picture);
 
+// The same for a part of a painting that is lit part by part (Surface::part_of): what is the same for all of
+// them is reckoned once. Value of each block of the residual, under each light.
+using ResidualUnderLights = std::vector<Image<Vec3>>;
+ResidualUnderLights residual_under(const RelightingResidual& residual, std::span<const Light> lights);
+void add_residual(const RelightingResidual& residual, const ResidualUnderLights& under, const Surface& dry,
+                  std::span<const Light> lights, const Image<float>& bare, Image<Rgb>& picture);
+
+// Whether relight() with these options draws what the residual was fitted beside: `bounded` lobes and cast
+// shadows of lights of the same radius. It is none of anything else.
+bool belongs_to(const RelightingResidual& residual, const Surface& dry, const RelightOptions& options);
+
 // [bytes] That its coefficients take in a painting file, before it is compressed.
 std::size_t bytes_of(const RelightingResidual& residual);
 
@@ -63,11 +76,14 @@ PartToWrite part_of(const RelightingResidual& residual);
 // Provenance (JSON) that says that a residual was looked for, and none was stored since it gained nothing;
 // and whether a surface's says so.
 std::string with_residual_in_vain(const std::string& provenance);
-bool residual_in_vain(const Surface& surface);
+bool residual_in_vain(const std::string& provenance);
 
 // Of a painting file; empty where it has none. Throws Error naming the file and the part: damaged, of another
 // size, of another dry layer than `dry`, values that are not finite.
 RelightingResidual read_residual(const std::filesystem::path& path, const Surface& dry,
+                                 const Progress& progress = {});
+// The same where the maps are not at hand.
+RelightingResidual read_residual(const std::filesystem::path& path, const PaintingHeader& header,
                                  const Progress& progress = {});
 
 }  // namespace tangi

@@ -266,38 +266,40 @@ Image<Rgb> shrunk(const Image<Rgb>& picture, int longest) {
 
 namespace {
 
-// Maps of one surface as pictures: only of what was measured.
-class MapDrawer {
-public:
-    MapDrawer(const Surface& surface, int longest)
-        : mask_(measured(surface.confidence)),
-          any_(std::any_of(mask_.pixels().begin(), mask_.pixels().end(),
-                           [](unsigned char m) { return m != 0; })),
-          longest_(longest) {}
+using FloatMap = std::function<Image<float>(const Surface&)>;
 
-    ValueRange range_of(const Image<float>& map) const {
-        return any_ ? robust_range(map, mask_) : ValueRange{};
-    }
-    ValueRange from_zero(const Image<float>& map) const {
-        return ValueRange{0, std::max(range_of(map).hi, 1e-3)};
-    }
-    Image<Rgb> scalar(const Image<float>& map, const ValueRange& range) const {
-        return shrunk(map_picture(map, range.lo, range.hi, ColourMap::sequential, mask_), longest_);
-    }
-    Image<Rgb> colours(const Image<Rgb>& map) const {
-        Image<Rgb> shown(map.width(), map.height(), kNoValue);
-        for (std::size_t i = 0; i < shown.size(); ++i)
-            if (mask_.pixels()[i])
-                shown.pixels()[i] = glm::min(Transfer{Transfer::Kind::srgb}.encode(map.pixels()[i]), Rgb(1));
-        return shrunk(shown, longest_);
-    }
-    Image<Rgb> normals(const Image<Vec3>& map) const { return shrunk(normal_picture(map, mask_), longest_); }
+// The ranges that the pixels of a surface have; only of what was measured.
+class Ranges {
+public:
+    explicit Ranges(const Surface& pixels)
+        : mask_(measured(pixels.confidence)),
+          any_(std::any_of(mask_.pixels().begin(), mask_.pixels().end(),
+                           [](unsigned char m) { return m != 0; })) {}
+
+    ValueRange of(const Image<float>& map) const { return any_ ? robust_range(map, mask_) : ValueRange{}; }
+    ValueRange from_zero(const Image<float>& map) const { return {0, std::max(of(map).hi, 1e-3)}; }
 
 private:
     const PixelMask mask_;
     const bool any_;  // pixels of the mask
-    const int longest_;
 };
+
+std::function<Image<Rgb>(const Surface&)> scalar(FloatMap map, const ValueRange& range) {
+    return [map = std::move(map), range](const Surface& s) {
+        return map_picture(map(s), range.lo, range.hi, ColourMap::sequential, measured(s.confidence));
+    };
+}
+
+std::function<Image<Rgb>(const Surface&)> colours(Image<Rgb> Surface::*map) {
+    return [map](const Surface& s) {
+        Image<Rgb> shown(s.width(), s.height(), kNoValue);
+        for (std::size_t i = 0; i < shown.size(); ++i)
+            if (s.confidence.pixels()[i] > 0)
+                shown.pixels()[i] =
+                    glm::min(Transfer{Transfer::Kind::srgb}.encode((s.*map).pixels()[i]), Rgb(1));
+        return shown;
+    };
+}
 
 Image<float> stretches_of(const Surface& surface) {
     Image<float> stretch(surface.width(), surface.height());
@@ -309,35 +311,46 @@ Image<float> stretches_of(const Surface& surface) {
 
 }  // namespace
 
-std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
-    const MapDrawer draw(surface, longest);
-    const ValueRange height = draw.range_of(surface.height_mm), specular = draw.from_zero(surface.specular);
-    const ValueRange roughness = draw.from_zero(surface.roughness), confidence{0, 1};
-    std::vector<MapPicture> maps;
+std::vector<MapLook> map_looks(const Surface& pixels) {
+    const Ranges ranges(pixels);
+    const ValueRange height = ranges.of(pixels.height_mm), specular = ranges.from_zero(pixels.specular);
+    const ValueRange roughness = ranges.from_zero(pixels.roughness), confidence{0, 1};
+    std::vector<MapLook> maps;
     maps.push_back({"height", "Height", "h", "Relief above the mean plane of the support.",
-                    surface.scale_known ? "mm" : "pixels", height, draw.scalar(surface.height_mm, height)});
+                    pixels.scale_known ? "mm" : "pixels", height,
+                    scalar([](const Surface& s) { return s.height_mm; }, height)});
     maps.push_back({"normal", "Normals", "n",
                     "Direction the surface faces: red right, green up, blue to the viewer.", "1",
-                    std::nullopt, draw.normals(surface.normal)});
+                    std::nullopt,
+                    [](const Surface& s) { return normal_picture(s.normal, measured(s.confidence)); }});
     maps.push_back({"diffuse", "Diffuse colour", "ρd", "Colour of matt reflection, shown as sRGB.", "1",
-                    std::nullopt, draw.colours(surface.diffuse)});
+                    std::nullopt, colours(&Surface::diffuse)});
     maps.push_back({"specular", "Specular", "ρs", "Strength of the gloss.", "1", specular,
-                    draw.scalar(surface.specular, specular)});
+                    scalar([](const Surface& s) { return s.specular; }, specular)});
     maps.push_back({"roughness", "Roughness", "α",
                     "Width of the gloss: small is mirror-like, large is satin.", "1", roughness,
-                    draw.scalar(surface.roughness, roughness)});
-    if (!surface.specular_colour.empty())
+                    scalar([](const Surface& s) { return s.roughness; }, roughness)});
+    if (!pixels.specular_colour.empty())
         maps.push_back({"lobe", "Colour of the gloss", "", "White, or a metal's own; shown as sRGB.", "1",
-                        std::nullopt, draw.colours(surface.specular_colour)});
-    if (!surface.lobe_axes.empty()) {
-        const Image<float> stretch = stretches_of(surface);
+                        std::nullopt, colours(&Surface::specular_colour)});
+    if (!pixels.lobe_axes.empty()) {
+        const ValueRange range = ranges.from_zero(stretches_of(pixels));
         maps.push_back({"anisotropy", "Stretch of the gloss", "",
                         "How much wider it is along one direction than on the mean, as a logarithm.", "1",
-                        draw.from_zero(stretch), draw.scalar(stretch, draw.from_zero(stretch))});
+                        range, scalar(stretches_of, range)});
     }
     maps.push_back({"confidence", "Confidence", "", "How certain the fit is: 0 not measured, 1 certain.", "1",
-                    confidence, draw.scalar(surface.confidence, confidence)});
+                    confidence, scalar([](const Surface& s) { return s.confidence; }, confidence)});
     return maps;
+}
+
+std::vector<MapPicture> map_pictures(const Surface& surface, int longest) {
+    std::vector<MapPicture> pictures;
+    for (MapLook& map : map_looks(surface))
+        pictures.push_back({std::move(map.key), std::move(map.title), std::move(map.symbol),
+                            std::move(map.meaning), std::move(map.unit), map.range,
+                            shrunk(map.draw(surface), longest)});
+    return pictures;
 }
 
 }  // namespace tangi

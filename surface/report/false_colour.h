@@ -85,6 +85,15 @@ struct MapPicture {
     Image<Rgb> picture;
 };
 
+// The same without a picture: of a painting that is looked at by parts.
+struct MapLook {
+    std::string key, title, symbol, meaning, unit;
+    std::optional<ValueRange> range;
+    std::function<Image<Rgb>(const Surface& part)> draw;
+};
+// All maps of a painting, in the order above, with the ranges that these pixels of it have.
+std::vector<MapLook> map_looks(const Surface& pixels);
+
 // All maps, no side longer than `longest`, in the order above. Unmeasured pixels are kNoValue.
 std::vector<MapPicture> map_pictures(const Surface& surface, int longest);
 

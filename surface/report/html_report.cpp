@@ -9,6 +9,7 @@
 #include "surface/file/atomic_file.h"
 #include "surface/file/atomic_folder.h"
 #include "surface/file/base64.h"
+#include "surface/file/version.h"
 #include "surface/image_file/image_io.h"
 
 namespace tangi {
@@ -28,15 +29,23 @@ font-variant-numeric:tabular-nums}th,td{text-align:right;padding:4px 12px;border
 th:first-child,td:first-child{text-align:left}td.why{text-align:left;white-space:normal;color:var(--ring)}th{font-size:13px;
 color:var(--soft);font-weight:600}svg text{fill:var(--ink);font-size:11px})";
 
+std::string begin_of_page(const std::string& title) {
+    return fmt::format(
+        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+        "content=\"width=device-width, initial-scale=1\"><title>{}</title>",
+        escaped(title));
+}
+
 }  // namespace
 
 std::string page_head(const std::string& title) {
     return fmt::format(
-        "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-        "content=\"width=device-width, "
-        "initial-scale=1\"><title>{0}</title><style>{1}</style></head><body><main>"
-        "<h1>{0}</h1>",
-        escaped(title), kStyle);
+        "{0}<meta name=\"generator\" content=\"{1}\"><style>{2}</style></head><body><main><h1>{3}</h1>",
+        begin_of_page(title), program_name(), kStyle, escaped(title));
+}
+
+bool begins_as_page(std::string_view text, const std::string& title) {
+    return text.starts_with(begin_of_page(title));
 }
 
 std::string hemisphere(const std::vector<HemisphereLight>& lights) {

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "surface/image/image.h"
@@ -12,8 +13,11 @@
 
 namespace tangi {
 
-// From the doctype to the headline; "</main></body></html>" ends the page. The title stays text.
+// From the doctype to the headline; "</main></body></html>" ends the page. The title stays text. The page
+// says which program it is of.
 std::string page_head(const std::string& title);
+// Whether a text begins as a page of this title does, of whatever version.
+bool begins_as_page(std::string_view text, const std::string& title);
 
 // A light of a hemisphere plot: a dot, a disc of its standard error, and a line from where it was listed. A
 // ring instead of the dot where its photograph was held out of the fit.

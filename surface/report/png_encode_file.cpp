@@ -3,6 +3,7 @@
 
 #include "surface/base/error.h"
 #include "surface/base/memory_error.h"
+#include "surface/file/version.h"
 #include "surface/report/png_encode.h"
 
 namespace tangi {
@@ -15,6 +16,7 @@ std::string png_of(const float* samples, const Region& size, int channels, int b
     if (!output) fail("no writer for PNG pictures: {}", OIIO::geterror());
     OIIO::ImageSpec spec(size.width(), size.height(), channels,
                          bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8);
+    spec.attribute("Software", program_name());
     spec.attribute("oiio:UnassociatedAlpha", 1);
     if (channels >= 3) spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("png:compressionLevel", 4);

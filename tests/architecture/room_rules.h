@@ -26,7 +26,9 @@ inline const std::map<std::string, Names> kModules = {
     {"paint", {"surface"}},
     {"retouch", {"surface", "paint"}},
     {"viewer", {"surface", "paint", "retouch"}},
+    {"web", {"surface", "paint", "retouch", "viewer"}},
     {"cli", {"surface", "capture", "fit", "paint", "retouch", "viewer", "datasets"}},
+    {"python", {"surface", "capture", "fit", "paint", "retouch", "datasets"}},
 };
 
 struct PackageRule {
@@ -72,6 +74,7 @@ inline const std::vector<PackageRule> kPackages = {
     {"TBB", {"tbb/", "oneapi/tbb"}, {"TBB::"}, {"surface/base", "fit"}},
     {"Highway", {"hwy/"}, {"${HWY_LIBRARY}"}, {"surface", "fit"}, true},
     {"CLI11", {"CLI/"}, {"CLI11::"}, {"cli"}},
+    {"pybind11", {"pybind11/"}, {"pybind11::"}, {"python"}, true},
 };
 
 constexpr std::size_t kMostPairs = 20;  // of a header and its source, in a room

@@ -345,8 +345,8 @@ inline Names unknown_flags(const std::string& page, const std::string& text, con
     std::set<std::string> all = {"--help", "--version"};
     for (const auto& [command, flags] : known) all.insert(flags.begin(), flags.end());
     // Of scripts and of other programs, where they stand alone.
-    const std::set<std::string> foreign = {"--preset", "--sanitize", "--figures", "--benchmark_filter",
-                                           "--gtest_filter"};
+    const std::set<std::string> foreign = {"--preset",       "--sanitize", "--figures", "--benchmark_filter",
+                                           "--gtest_filter", "--config",   "--unlock"};
     Names violations;
     for (const std::string& code : code_of(text)) {
         std::istringstream words(code);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <set>
 
@@ -100,6 +101,11 @@ protected:
     void start_from(const fs::path& folder) const {
         fs::remove_all(root());
         fs::copy(folder, root(), fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+        // What is written holds the times of what it was made of.
+        const auto then = std::chrono::file_clock::from_sys(
+            std::chrono::sys_seconds(std::chrono::seconds(std::stol(kTime))));
+        for (const auto& entry : fs::recursive_directory_iterator(root()))
+            if (entry.is_regular_file() && !entry.is_symlink()) fs::last_write_time(entry.path(), then);
     }
 
     Conditions conditions(const std::map<std::string, std::string>& faults) const {

@@ -139,7 +139,7 @@ testing::AssertionResult images_near(const Image<T>& actual, const Image<T>& exp
 template <class T>
 bool images_identical(const Image<T>& first, const Image<T>& second) {
     return first.region() == second.region() &&
-           std::memcmp(first.data(), second.data(), first.size() * sizeof(T)) == 0;
+           (first.empty() || std::memcmp(first.data(), second.data(), first.size() * sizeof(T)) == 0);
 }
 
 // The same numbers on every machine and in every run (splitmix64, Steele, Lea, Flood 2014).

@@ -7,6 +7,7 @@
 #include "surface/base/error.h"
 #include "surface/file/error_message.h"
 #include "surface/file/output_set.h"
+#include "surface/painting_file/painting_tiles.h"
 #include "viewer/model/user_settings.h"
 #include "viewer/treatment/treatment_controller.h"
 
@@ -97,7 +98,7 @@ void DocumentController::open(const fs::path& file) {
               OpenedPainting opened;
               opened.palette = other;
               opened.is_new = ground.has_value();
-              const auto stamp = stamp_of(file);
+              const auto stamp = stamp_of(main_file_of(file));
               Canvas canvas = ground ? Canvas(std::make_shared<Surface>(make_substrate(*ground, progress)))
                                      : read_canvas(file, progress, treatment_scale(file));
               Painter::Setup setup{std::move(canvas), palette, file, ground.has_value(), stamp};

@@ -12,6 +12,7 @@
 
 #include "surface/base/error.h"
 #include "surface/painting_file/painting_parts.h"
+#include "surface/painting_file/painting_tiles.h"
 #include "viewer/app/window_app.h"
 #include "viewer/panels/number_field.h"
 #include "viewer/panels/panels.h"
@@ -28,7 +29,7 @@ std::unique_ptr<FirstOpening> opening_of(const WindowSetup& setup, const Progres
         [open = setup.open, palette = setup.palette, file = setup.file,
          is_new = setup.file_is_new](const Progress& p) {
             OpenedPainting opened;
-            const auto stamp = stamp_of(file);
+            const auto stamp = stamp_of(main_file_of(file));
             opened.painter = std::make_unique<Painter>(
                 Painter::Setup{open(p), palette, file, is_new, stamp}, [] { glfwPostEmptyEvent(); }, p);
             opened.tiles = std::make_shared<TexelTiles>(opened.painter->surface(), opened.painter->range());

@@ -9,8 +9,8 @@
 #include <algorithm>
 
 #include "surface/base/error.h"
-#include "surface/painting_file/fit_doubts.h"
 #include "surface/painting_file/overview.h"
+#include "surface/provenance/fit_doubts.h"
 #include "viewer/app/window_app.h"
 #include "viewer/panels/panels.h"
 

@@ -13,6 +13,7 @@
 #include "surface/file/error_message.h"
 #include "surface/file/stale_temporaries.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_tiles.h"
 
 namespace tangi {
 
@@ -33,7 +34,7 @@ Painter::Painter(Setup setup, std::function<void()> wake, const Progress& progre
       dry_hash_(hash_of(*dry_)),
       mm_per_pixel_(session_.canvas().mm_per_pixel()),
       record_(recovery_files(setup.file)),
-      stamp_(setup.stamp ? setup.stamp : stamp_of(setup.file)),
+      stamp_(setup.stamp ? setup.stamp : stamp_of(main_file_of(setup.file))),
       file_is_new_(setup.file_is_new),
       file_(setup.file),
       wake_(std::move(wake)) {
@@ -252,7 +253,7 @@ void Painter::begin_file() {
         fail("{} has come to be there meanwhile: save under another name", painting.filename().string());
     write_canvas(painting, session_.canvas());
     file_is_new_ = false;
-    stamp_ = stamp_of(painting);
+    stamp_ = stamp_of(main_file_of(painting));
     claim_.take(painting);
     note_what_is_saved();
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "paint/canvas/appearance_part.h"
+#include "surface/painting_file/painting_tiles.h"
 #include "viewer/model/painter.h"
 
 namespace tangi {
@@ -135,7 +136,7 @@ std::future<void> Painter::change(std::function<void(Canvas&)> work) {
             work(next);
             // A step of a treatment writes the file anew.
             own_.elsewhere = !claim_.take(record_.files().painting);
-            const auto stamp = std::exchange(stamp_, stamp_of(record_.files().painting));
+            const auto stamp = std::exchange(stamp_, stamp_of(main_file_of(record_.files().painting)));
             adopt(std::move(next));
             if (stamp_ != stamp) note_what_is_saved();
             promise->set_value();

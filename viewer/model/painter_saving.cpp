@@ -7,6 +7,7 @@
 #include "surface/file/error_message.h"
 #include "surface/painting_file/overview.h"
 #include "surface/painting_file/painting_file.h"
+#include "surface/painting_file/painting_tiles.h"
 #include "viewer/model/painter.h"
 
 namespace tangi {
@@ -65,7 +66,7 @@ void Painter::begin_journal() {
 
 bool Painter::is_replaced() const {
     const std::filesystem::path& painting = record_.files().painting;
-    const auto now = stamp_of(painting);
+    const auto now = stamp_of(main_file_of(painting));
     if (!now || now == stamp_) return false;
     if (!stamp_ || !may_be_same(*stamp_, *now)) return true;
     try {
@@ -159,7 +160,7 @@ void Painter::note_what_is_saved() {
 void Painter::write_files(const std::filesystem::path& to) {
     const std::filesystem::path& from = record_.files().painting;
     settle_outputs_at(to);
-    AtomicFile file(to);
+    PaintingOutput output(to);
     std::vector<PartToWrite> further;
     // What other modules keep in the file stays: it belongs to the dry layer, which does not change.
     if (!file_is_new_ && std::filesystem::exists(from)) {
@@ -171,10 +172,10 @@ void Painter::write_files(const std::filesystem::path& to) {
             guarded([&] { further = parts_beside_paint(from); });
     }
     if (painted_ && !session_.canvas().ingredients().empty()) add_overview(further, *painted_, *dry_);
-    fill_canvas(file, session_.canvas(), {}, with_tools(std::move(further), session_));
+    fill_canvas(output, session_.canvas(), {}, with_tools(std::move(further), session_));
     std::string makes = hash_of(session_.canvas(), dry_hash_);
     OutputSet set;
-    set.add(file);
+    output.add_to(set);
     const RecoveryFiles files = recovery_files(to);
     const RecoveryRecord::Files kept = record_.add_to(set, files, makes);
     set.commit();
@@ -222,7 +223,7 @@ void Painter::write(const std::filesystem::path& to, bool over) {
     else
         write_files(to);
     file_is_new_ = false;
-    stamp_ = stamp_of(to);
+    stamp_ = stamp_of(main_file_of(to));
     own_.elsewhere = !claim_.take(to);
     mark_saved();
     ++own_.saves;

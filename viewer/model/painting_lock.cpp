@@ -2,11 +2,9 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
@@ -48,75 +46,36 @@ fs::path file_for_name(const fs::path& painting) {
     return folder / fmt::format("{:016x}.lock", hash);
 }
 
-enum class Locked { yes, by_another, cannot };
-
-Locked lock(int descriptor) {
-    if (descriptor < 0) return Locked::cannot;
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return Locked::yes;
-    return errno == EWOULDBLOCK ? Locked::by_another : Locked::cannot;
-}
-
-Locked lock_name(const fs::path& file, int& descriptor) {
-    if (file.empty()) return Locked::cannot;
-    // Who gives a name back removes its file: a lock on one that is gone is none.
-    for (int tries = 0; tries < 100; ++tries) {
-        descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-        const Locked locked = lock(descriptor);
-        struct stat here = {}, there = {};
-        if (locked == Locked::yes && ::fstat(descriptor, &here) == 0 && ::stat(file.c_str(), &there) == 0 &&
-            same_file(here, there))
-            return Locked::yes;
-        if (descriptor >= 0) ::close(descriptor);
-        descriptor = -1;
-        if (locked != Locked::yes) return locked;
-    }
-    return Locked::cannot;
-}
-
 }  // namespace
 
 PaintingClaim::PaintingClaim(PaintingClaim&& other) noexcept
-    : file_(std::exchange(other.file_, -1)),
-      name_(std::exchange(other.name_, -1)),
-      name_file_(std::move(other.name_file_)) {}
+    : file_(std::exchange(other.file_, -1)), name_(std::move(other.name_)) {}
 
 PaintingClaim& PaintingClaim::operator=(PaintingClaim&& other) noexcept {
     std::swap(file_, other.file_);
     std::swap(name_, other.name_);
-    std::swap(name_file_, other.name_file_);
     return *this;
-}
-
-void PaintingClaim::give_name_back() {
-    if (name_ < 0) return;
-    (void)::unlink(name_file_.c_str());  // while it is locked
-    ::close(name_);
-    name_ = -1;
 }
 
 void PaintingClaim::give_back() {
     if (file_ >= 0) ::close(file_);
     file_ = -1;
-    give_name_back();
+    name_.give_back();
 }
 
 bool PaintingClaim::take(const fs::path& file) {
-    const fs::path name_file = file_for_name(file);
-    const bool name_is_ours = name_ >= 0 && name_file == name_file_;
+    const fs::path name = file_for_name(file);
+    const bool name_is_ours = name_.is_held(name);
     PaintingClaim next;
-    next.name_file_ = name_file;
-    if (!name_is_ours && lock_name(name_file, next.name_) == Locked::by_another) return false;
+    if (!name_is_ours && next.name_.take(name) == HeldFile::Taken::by_another) return false;
     // The new ones first: where it is the file that is held already, nobody gets in between.
     next.file_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat here = {}, held = {};
     const bool file_is_ours = next.file_ >= 0 && file_ >= 0 && ::fstat(next.file_, &here) == 0 &&
                               ::fstat(file_, &held) == 0 && same_file(here, held);
-    if (!file_is_ours && lock(next.file_) == Locked::by_another) return false;
+    if (!file_is_ours && lock_at_once(next.file_) == HeldFile::Taken::by_another) return false;
     if (!file_is_ours) std::swap(file_, next.file_);
-    if (!name_is_ours) {
-        std::swap(name_, next.name_);
-        std::swap(name_file_, next.name_file_);
-    }
+    if (!name_is_ours) std::swap(name_, next.name_);
     return true;
 }
 

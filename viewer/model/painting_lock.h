@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "surface/file/held_file.h"
+
 namespace tangi {
 
 // Two locks (flock), which the system gives back however the program ends: one on the painting's name, for
@@ -22,10 +24,9 @@ public:
 
 private:
     void give_back();
-    void give_name_back();
 
-    int file_ = -1, name_ = -1;        // descriptors
-    std::filesystem::path name_file_;  // that stands for the name
+    int file_ = -1;  // descriptor
+    HeldFile name_;
 };
 
 }  // namespace tangi

@@ -92,65 +92,6 @@ float stretch_code(float stretch) {
 }
 float stretch_of_code(std::uint32_t code) { return (static_cast<float>(code) - kNoStretch) / kNoStretch; }
 
-// What a texel of the next level has of those below.
-class MeanMaterial {
-public:
-    explicit MeanMaterial(bool anisotropic) : anisotropic_(anisotropic) {}
-    void add(const Material& m) {
-        const Slope slope = slope_of(m.normal);
-        const float weight = m.specular + 1e-6f;
-        sum_.normal += m.normal;
-        sum_.diffuse += m.diffuse;
-        sum_.specular += m.specular;
-        specular_colour_ += weight * m.specular_colour;
-        sum_.height_mm += m.height_mm;
-        sum_.confidence += m.confidence;
-        gloss_ += weight;
-        slope_x_ += weight * slope.x;
-        slope_y_ += weight * slope.y;
-        spread_ += weight * (m.roughness * m.roughness + slope.x * slope.x + slope.y * slope.y);
-        if (anisotropic_) {
-            // alpha^2 / 2 is the variance of slopes in one direction.
-            const StretchShape<float> shape = shape_of(m.stretch.x, m.stretch.y);
-            const float half = weight * m.roughness * m.roughness / 2;
-            differ_ += half * shape.a * 2 + weight * (slope.x * slope.x - slope.y * slope.y);
-            cross_ += half * shape.b + weight * slope.x * slope.y;
-            spread_ += 2 * half * (shape.c - 1);
-        }
-        ++count_;
-    }
-    Material material() const {
-        const float length = glm::length(sum_.normal) / count_;
-        const float x = slope_x_ / gloss_, y = slope_y_ / gloss_;
-        const float variance = spread_ / gloss_ - x * x - y * y;
-        Material mean{glm::normalize(sum_.normal), sum_.diffuse * (length / count_),
-                      sum_.specular / count_,      std::sqrt(std::max(variance, 1e-12f)),
-                      sum_.height_mm / count_,     sum_.confidence / count_,
-                      specular_colour_ / gloss_};
-        if (anisotropic_)
-            stretch_half_vector(variance, differ_ / gloss_ - x * x + y * y, cross_ / gloss_ - x * y, mean);
-        return mean;
-    }
-
-private:
-    // Of the covariance of slopes: its trace, the difference of its diagonal, and what is beside it.
-    static void stretch_half_vector(float trace, float difference, float beside, Material& mean) {
-        const float off = std::sqrt(difference * difference / 4 + beside * beside);
-        const float root2 = std::max(trace * trace / 4 - off * off, 0.0f);  // the determinant
-        mean.roughness = std::sqrt(std::max(2 * std::sqrt(root2), 1e-12f));
-        const float s = std::min(std::asinh(2 * off / (mean.roughness * mean.roughness)) / 2,
-                                 static_cast<float>(kMostStretch));
-        // What is anisotropic further than can be told is no narrower for it.
-        mean.roughness = std::sqrt(std::max(trace, 1e-12f) / std::cosh(2 * s));
-        if (off > 0) mean.stretch = s / off * Stretch(difference / 2, beside);
-    }
-
-    bool anisotropic_;
-    Material sum_{.normal = Vec3(0)};
-    Rgb specular_colour_{0};
-    float count_ = 0, gloss_ = 0, spread_ = 0, slope_x_ = 0, slope_y_ = 0, differ_ = 0, cross_ = 0;
-};
-
 }  // namespace
 
 TexelRange range_of(const Surface& s, float paint_mm) {
@@ -257,17 +198,6 @@ Material unpack(const Texel& t, const TexelRange& r) {
     return by_layout(r, [&]<const Layout & l>() { return unpacked<l>(t, r); });
 }
 
-Material material_at(const Surface& s, int x, int y) {
-    return {s.normal(x, y),
-            s.diffuse(x, y),
-            s.specular(x, y),
-            s.roughness(x, y),
-            s.height_mm(x, y),
-            s.confidence(x, y),
-            s.specular_colour.empty() ? Rgb(1) : s.specular_colour(x, y),
-            s.lobe_axes.empty() ? Stretch(0) : stretch_of(s.lobe_axes(x, y), s.roughness(x, y))};
-}
-
 LevelSize level_size(int width, int height, int level) {
     const int up = (1 << level) - 1;
     return {(width + up) >> level, (height + up) >> level};
@@ -279,6 +209,9 @@ int level_count(int width, int height) {
     return levels;
 }
 
+// [bytes] Of 24 megapixels; those of larger paintings are on disk.
+constexpr std::size_t kHeldTexels = std::size_t(512) << 20;
+
 TexelTiles::TexelTiles(const Surface& s, const TexelRange& range)
     : width_(s.width()), height_(s.height()), range_(range) {
     std::size_t tiles = 0;
@@ -287,7 +220,7 @@ TexelTiles::TexelTiles(const Surface& s, const TexelRange& range)
         first_.push_back(tiles);
         tiles += static_cast<std::size_t>(size.columns()) * static_cast<std::size_t>(size.rows());
     }
-    memory_ = ScratchMemory(tiles * kTileTexels * sizeof(Texel));
+    memory_ = ScratchMemory(tiles * kTileTexels * sizeof(Texel), kHeldTexels);
     texels_ = {static_cast<Texel*>(memory_.data()), tiles * kTileTexels};
     update(s, {0, 0, width_, height_});
 }

@@ -19,11 +19,7 @@
 //      the largest 7 bits; the largest channel 2 bits
 //   w  stretch (anisotropy.h): x, y, code 127 is 0, 0 and 254 are -1 and 1, 8 bits each; height 16 bits
 //
-// Levels of detail keep gloss (after Toksvig 2005 and Olano & Baker 2010, "LEAN mapping"): a texel of 2^l x
-// 2^l pixels has their mean normal, and the spread of their slopes goes into its lobe: alpha is the rms
-// slope, so alpha^2 = mean of (alpha^2 + slope^2) - slope of the mean^2, pixels weighted by rho_s; where
-// lobes are anisotropic, all of it are matrices of slopes' covariances. What a mean normal lacks in length
-// goes into rho_d: uneven paint is a little darker from afar.
+// Levels of detail keep gloss, as MeanMaterial does (surface/maps/material.h).
 #pragma once
 
 #include <array>
@@ -35,8 +31,8 @@
 #include <vector>
 
 #include "surface/file/scratch_memory.h"
+#include "surface/maps/material.h"
 #include "surface/maps/surface.h"
-#include "surface/reflectance/anisotropy.h"
 
 namespace tangi {
 
@@ -53,18 +49,8 @@ struct TexelRange {
 // Of this surface, with room for paint of `paint_mm` on it.
 TexelRange range_of(const Surface& surface, float paint_mm = 0);
 
-// One pixel's maps, decoded.
-struct Material {
-    Vec3 normal{0, 0, 1};
-    Rgb diffuse{0};
-    float specular = 0, roughness = 1, height_mm = 0, confidence = 0;
-    Rgb specular_colour{1};
-    Stretch stretch{0};
-};
-
 Texel pack(const Material& material, const TexelRange& range);
 Material unpack(const Texel& texel, const TexelRange& range);
-Material material_at(const Surface& surface, int x, int y);
 
 constexpr int kTileBits = 8;  // tiles have 256 texels a side
 constexpr int kTileSide = 1 << kTileBits;

@@ -15,6 +15,7 @@ extern "C" {
 #include "surface/base/error.h"
 #include "surface/file/atomic_file.h"
 #include "surface/file/output_set.h"
+#include "surface/file/version.h"
 #include "surface/image_file/image_io.h"
 
 namespace tangi {
@@ -24,15 +25,20 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Codec {
-    const char *extension, *encoder, *container;
+    const char *extension, *encoder, *container, *program;  // the container's word for what wrote it
     std::array<std::pair<const char*, const char*>, 4> settings;
 };
 // Quality: differences are seen in no picture by itself.
 constexpr std::array<Codec, 2> kCodecs = {
-    {{".mp4", "libx264", "mp4", {{{"crf", "16"}, {"preset", "medium"}, {"profile", "high"}, {}}}},
+    {{".mp4",
+      "libx264",
+      "mp4",
+      "encoding_tool",
+      {{{"crf", "16"}, {"preset", "medium"}, {"profile", "high"}, {}}}},
      {".webm",
       "libvpx-vp9",
       "webm",
+      "encoder",
       {{{"crf", "20"}, {"deadline", "good"}, {"cpu-used", "4"}, {"row-mt", "1"}}}}}};
 
 struct Freed {
@@ -128,6 +134,7 @@ private:
         frame_->height = c.height;
         require(av_frame_get_buffer(frame_.get(), 0), "memory");
         require(avio_open(&format->pb, url.c_str(), AVIO_FLAG_WRITE), "opening");
+        av_dict_set(&format->metadata, codec_->program, program_name().c_str(), 0);
         // Players begin before they have all of it: the index goes in front.
         AVDictionary* options = nullptr;
         if (codec_ == &kCodecs[0]) av_dict_set(&options, "movflags", "+faststart", 0);

@@ -1,22 +1,23 @@
 #include "viewer/web/web_page.h"
 
-#include <atomic>
+#include <algorithm>
+#include <array>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
+#include "surface/base/html_escape.h"
 #include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
 #include "surface/base/parallel.h"
 #include "surface/file/atomic_file.h"
-#include "surface/file/atomic_folder.h"
-#include "surface/file/base64.h"
-#include "surface/file/output_set.h"
-#include "surface/file/stale_temporaries.h"
+#include "surface/file/sha256.h"
+#include "surface/file/version.h"
 #include "surface/image_file/image_io.h"
-#include "viewer/render/painting_shader.h"
-#include "viewer/render/scene.h"
-#include "viewer/render/vertex_shader.h"
-#include "viewer/render/view_mode.h"
+#include "viewer/render/view.h"
+#include "viewer/web/lossy_tiles.h"
+#include "viewer/web/page_parts.h"
+#include "viewer/web/web_data.h"
 #include "viewer/web/web_page_html.h"
 #include "viewer/web/web_tiles.h"
 
@@ -27,103 +28,19 @@ using nlohmann::json;
 
 namespace {
 
-// Where the parts of a page go: into the page, or into files beside it.
-class Parts {
-public:
-    virtual ~Parts() = default;
-    // From any thread. Returns how many bytes it takes as it is sent.
-    virtual std::size_t add(const std::string& name, const std::string& bytes) = 0;
-};
+// Keys of web_picture_data() that differ between states.
+constexpr std::array kOfState = {"range", "reflectance_model", "specular_colour", "anisotropic_specular"};
 
-// <script type="text/plain"> is not run and not shown: text that the page looks up by its id.
-class PartsInside : public Parts {
-public:
-    PartsInside(const fs::path& page, double largest_mb) : page_(page), largest_mb_(largest_mb) {}
-    std::size_t add(const std::string& name, const std::string& bytes) override {
-        const std::string element =
-            fmt::format("<script type=\"text/plain\" id=\"part-{}\">{}</script>\n", name, base64(bytes));
-        const std::lock_guard lock(mutex_);
-        elements_[name] = element;
-        size_ += element.size();
-        if (static_cast<double>(size_) > 1e6 * largest_mb_)
-            fail(
-                "{}: the painting takes more than {} MB, too much for a page of one file; name a folder, "
-                "from "
-                "which browsers fetch what they show, or raise --largest-page-mb",
-                page_.string(), largest_mb_);
-        return element.size();
-    }
-    std::string text() const {  // in the order of their names, whatever thread was first
-        std::string all;
-        for (const auto& [name, element] : elements_) all += element;
-        return all;
-    }
-
-private:
-    fs::path page_;
-    double largest_mb_;
-    std::mutex mutex_;
-    std::map<std::string, std::string> elements_;
-    std::size_t size_ = 0;
-};
-
-// parts/<name>.js, each a call with its name and its bytes; in a hidden folder until place().
-class PartsBeside : public Parts {
-public:
-    explicit PartsBeside(const fs::path& folder)
-        : folder_(folder), hidden_(folder / temporary_name("parts", "")) {
-        made_.make(folder_);
-        tidy_folder(folder_);
-        make_folder(hidden_);
-    }
-    ~PartsBeside() override {
-        std::error_code ignored;
-        if (!left_) fs::remove_all(hidden_, ignored);
-    }
-    std::size_t add(const std::string& name, const std::string& bytes) override {
-        const fs::path path = hidden_ / (name + ".js");
-        const std::string text = fmt::format("tangiPart('{}','{}');\n", name, base64(bytes));
-        make_folder(path.parent_path());
-        told_of(hidden_, folder_ / "parts", [&] { write_text_file(path, text); });
-        return text.size();
-    }
-    // The old parts are gone once the new ones are there, with the page that wants them.
-    void place_with(AtomicFile& page) {
-        OutputSet set;
-        set.add_folder(hidden_, folder_ / "parts", [&](bool cleaned) {
-            made_.keep();
-            left_ = !cleaned;
-        });
-        set.add(page);
-        set.commit();
-    }
-
-private:
-    fs::path folder_, hidden_;
-    MadeFolders made_;
-    bool left_ = false;
-};
+constexpr std::array kPackings = {"colour", "grey", "exact"};  // as Packing has them
 
 json fields(const TexelRange& range) {
     json all = json::array();
     for (const WebField& f : web_fields(range))
-        all.push_back({{"word", f.word}, {"shift", f.shift}, {"bits", f.bits}, {"kept", f.kept}});
-    return all;
-}
-
-// View modes in the order of their numbers: names, and what the scale of each begins and ends with.
-json looks(const Surface& s) {
-    const auto [low, high] = std::minmax_element(s.height_mm.pixels().begin(), s.height_mm.pixels().end());
-    Scene scene;
-    scene.lowest_mm = *low;
-    scene.highest_mm = *high;
-    scene.most_curvature = first_most_curvature(s.mm_per_pixel);
-    json all = json::array();
-    for (const ViewModeTraits& mode : view_modes()) {
-        scene.mode = mode.mode;
-        const ScaleEnds ends = scale_ends(scene);
-        all.push_back({{"name", mode.name}, {"ends", {ends.lowest, ends.highest}}});
-    }
+        all.push_back({{"word", f.word},
+                       {"shift", f.shift},
+                       {"bits", f.bits},
+                       {"kept", f.kept},
+                       {"packing", kPackings[static_cast<std::size_t>(f.packing)]}});
     return all;
 }
 
@@ -140,44 +57,57 @@ json origin(const Surface& surface) {
     return told;
 }
 
-json data_of(const Surface& s, const TexelTiles& tiles, const HorizonMap& horizon, const WebWords& words,
-             const WebOptions& options) {
-    const TexelRange& range = tiles.range();
-    return {{"title", words.title},
-            {"credit", words.credit},
-            {"origin", origin(s)},
-            {"width", s.width()},
-            {"height", s.height()},
-            {"mm_per_pixel", s.mm_per_pixel},
-            {"scale_known", s.scale_known},
-            {"range",
-             {range.diffuse_max, range.specular_max, range.height_min_mm,
-              range.height_max_mm - range.height_min_mm}},
-            {"reflectance_model",
-             {s.reflectance_model.diffuse_roughness, s.reflectance_model.second_lobe_weight}},
-            {"specular_colour", range.coloured_specular},
-            {"anisotropic_specular", range.anisotropic_specular},
-            {"levels", web_levels(s.width(), s.height())},
-            {"fields", fields(range)},
-            {"looks", looks(s)},
-            {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}},
-            {"light_deg", {options.light_azimuth_deg, options.light_elevation_deg}},
-            {"vertex_shader", kPaintingVertexShader},
-            {"fragment_shader", painting_fragment_shader()}};
+// What the largest codes stand for in all states: what is alike in two of them becomes the same bytes.
+TexelRange range_of_all(std::span<const WebState> states) {
+    TexelRange all = range_of(*states.front().surface);
+    for (const WebState& state : states.subspan(1)) {
+        const TexelRange range = range_of(*state.surface);
+        all.diffuse_max = std::max(all.diffuse_max, range.diffuse_max);
+        all.specular_max = std::max(all.specular_max, range.specular_max);
+        all.height_min_mm = std::min(all.height_min_mm, range.height_min_mm);
+        all.height_max_mm = std::max(all.height_max_mm, range.height_max_mm);
+        all.coloured_specular |= range.coloured_specular;
+        all.anisotropic_specular |= range.anisotropic_specular;
+    }
+    return all;
 }
 
-// Inside <script>, only "<" could end the text early; JSON lets it be written as an escape.
-std::string inert(const json& data) {
-    std::string text;
-    for (const char c : json_line(data)) text += c == '<' ? std::string("\\u003c") : std::string(1, c);
-    return text;
+// What a page knows of all states, and moves to each: which parts are its own is known once they are written.
+json data_of(const Surface& s, const TexelRange& range, const WebWords& words, const WebOptions& options) {
+    json data = web_picture_data(s, range, heights_of(s));
+    for (const char* key : kOfState) data.erase(key);
+    data.update({{"title", words.title},
+                 {"credit", words.credit},
+                 {"creator", words.creator},
+                 {"id", words.id.empty() ? words.title : words.id},
+                 {"annotations", words.annotations},
+                 {"origins", words.origins},
+                 {"origin", origin(s)},
+                 {"states", json::array()},
+                 {"light_deg", {options.light_azimuth_deg, options.light_elevation_deg}}});
+    return data;
 }
 
-std::string page_with(const json& data, const std::string& parts) {
+json data_of_state(const WebState& state, const TexelRange& range, const HorizonMap& horizon) {
+    const json all = web_picture_data(*state.surface, range, heights_of(*state.surface));
+    json data = {{"name", state.name},
+                 {"fields", fields(range)},
+                 {"horizon", {horizon.width, horizon.height, HorizonMap::kAzimuths}}};
+    for (const char* key : kOfState) data[key] = all[key];
+    return data;
+}
+
+std::string page_with(const json& data, const json& linked, const std::string& parts) {
     std::string page = kWebPageHtml;
+    const std::string head = linked.is_null()
+                                 ? ""
+                                 : fmt::format("<script type=\"application/ld+json\">{}</script>",
+                                               inside_script(json_line(linked)));
     // The last place first: what is put in may contain anything.
-    for (const auto& [mark, text] :
-         {std::pair<std::string, std::string>{"{{parts}}", parts}, {"{{data}}", inert(data)}}) {
+    for (const auto& [mark, text] : {std::pair<std::string, std::string>{"{{parts}}", parts},
+                                     {"{{data}}", inside_script(json_line(data))},
+                                     {"{{linked}}", head},
+                                     {"{{program}}", program_name()}}) {
         const std::size_t at = page.rfind(mark);
         TP_REQUIRE(at != std::string::npos, "the page has a place for its data");
         page.replace(at, mark.size(), text);
@@ -185,44 +115,126 @@ std::string page_with(const json& data, const std::string& parts) {
     return page;
 }
 
-void add_parts(Parts& parts, const TexelTiles& tiles, const HorizonMap& horizon, WebReport& report,
-               const Progress& progress) {
-    std::vector<TileName> places;
-    const int levels = web_levels(tiles.width(), tiles.height());
-    for (int level = levels - 1; level >= 0; --level) {
-        const LevelSize size = level_size(tiles.width(), tiles.height(), level);
-        for (int row = 0; row < size.rows(); ++row)
-            for (int column = 0; column < size.columns(); ++column) places.push_back({level, column, row});
+// The parts of one state after the other. What a state has of the one before it is not written again.
+class StatesOfPage {
+public:
+    StatesOfPage(PageParts& parts, std::size_t states, WebReport& report, const Progress& progress)
+        : parts_(parts), states_(states), report_(report), progress_(progress) {}
+
+    // With losses, of the quality that the first state needs.
+    void lose(const WebOptions& options, const Surface& first, const TexelTiles& tiles) {
+        if (!(options.lossy_psnr_db > 0) || lossy()) return;
+        const double azimuth = options.light_azimuth_deg;
+        for (const auto& [turn, elevation] :
+             {std::pair{0.0, options.light_elevation_deg}, {0.0, 15.0}, {90.0, 15.0}})
+            lights_.push_back(distant_light(direction_of(azimuth + turn, elevation)));
+        report_.jpeg_quality = quality_for(options.lossy_psnr_db, first, tiles, lights_);
     }
-    constexpr int kAtOnce = 32;  // so that progress is told, and can be cancelled
-    std::atomic<std::size_t> bytes = 0;
-    const int count = static_cast<int>(places.size());
-    for (int first = 0; first < count; first += kAtOnce) {
-        tangi::report(progress, "tiles", first / static_cast<double>(count));
-        parallel_for(first, std::min(first + kAtOnce, count), 1, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) {
-                const TileName& p = places[static_cast<std::size_t>(i)];
-                const std::size_t sent =
-                    parts.add(fmt::format("{}/{}_{}", p.level, p.column, p.row), web_tile(tiles, p));
-                bytes += sent;
-                if (i == 0) report.first_bytes = sent;
+
+    // The names of the parts that are the state's own; null of the first, of which all are.
+    json add(const Surface& surface, const TexelTiles& tiles, const HorizonMap& horizon) {
+        own_ = json::array();
+        const std::vector<TileName> places = places_of(tiles);
+        const int count = static_cast<int>(places.size());
+        std::vector<LossyError> errors(places.size());
+        constexpr int kAtOnce = 32;  // so that progress is told, and can be cancelled
+        for (int first = 0; first < count; first += kAtOnce) {
+            tangi::report(progress_, "tiles",
+                          (static_cast<double>(state_) + first / static_cast<double>(count)) /
+                              static_cast<double>(states_));
+            parallel_for(first, std::min(first + kAtOnce, count), 1, [&](int begin, int end) {
+                for (int i = begin; i < end; ++i) {
+                    const TileName& p = places[static_cast<std::size_t>(i)];
+                    put(fmt::format("{}/{}_{}", p.level, p.column, p.row),
+                        packed(surface, tiles, p, errors[static_cast<std::size_t>(i)]), i == 0);
+                }
+            });
+        }
+        for (const LossyError& error : errors) error_ += error;  // in one order, for any number of threads
+        if (!horizon.values.empty())
+            put("horizon", lossy() ? lossy_horizon(horizon, report_.jpeg_quality) : web_horizon(horizon),
+                false);
+        std::sort(own_.begin(), own_.end());
+        return state_++ == 0 ? json() : own_;
+    }
+
+    // What was lost, in all states.
+    void tell_losses() const {
+        if (!lossy()) return;
+        report_.psnr_db = error_.psnr_db();
+        report_.height_rms = error_.height_rms();
+    }
+
+private:
+    bool lossy() const { return report_.jpeg_quality > 0; }
+    std::string packed(const Surface& surface, const TexelTiles& tiles, const TileName& name,
+                       LossyError& error) const {
+        if (!lossy()) return web_tile(tiles, name);
+        std::string bytes = lossy_tile(tiles, name, report_.jpeg_quality);
+        if (name.level == 0) error = error_of(bytes, surface, tiles, name, lights_);
+        return bytes;
+    }
+    static std::vector<TileName> places_of(const TexelTiles& tiles) {
+        std::vector<TileName> places;
+        for (int level = web_levels(tiles.width(), tiles.height()) - 1; level >= 0; --level) {
+            const LevelSize size = level_size(tiles.width(), tiles.height(), level);
+            for (int row = 0; row < size.rows(); ++row)
+                for (int column = 0; column < size.columns(); ++column)
+                    places.push_back({level, column, row});
+        }
+        return places;
+    }
+    void put(const std::string& name, const std::string& bytes, bool coarsest) {
+        const std::string hash = states_ > 1 ? sha256_of(bytes) : "";
+        {
+            const std::lock_guard lock(mutex_);
+            std::string& before = hashes_[name];
+            if (state_ > 0 && before == hash) {
+                report_.shared_tiles += name != "horizon";
+                return;
             }
-        });
+            before = hash;
+            own_.push_back(name);
+        }
+        const std::size_t sent =
+            parts_.add(state_ == 0 ? name : fmt::format("state{}/{}", state_, name), bytes);
+        const std::lock_guard lock(mutex_);
+        report_.bytes += sent;
+        report_.tiles += name != "horizon";
+        // Of two that are compared, both are seen at first: the first and the last.
+        if (coarsest && (state_ == 0 || state_ + 1 == states_)) report_.first_bytes += sent;
     }
-    if (!horizon.values.empty()) bytes += parts.add("horizon", web_horizon(horizon));
-    report.levels = levels;
-    report.tiles = count;
-    report.bytes = bytes;
-    tangi::report(progress, "tiles", 1);
+
+    PageParts& parts_;
+    std::size_t states_, state_ = 0;
+    WebReport& report_;
+    const Progress& progress_;
+    std::vector<Light> lights_;  // that losses are measured under
+    LossyError error_;
+    std::mutex mutex_;
+    std::map<std::string, std::string>
+        hashes_;  // of the state before, and of this one as far as it is written
+    json own_;
+};
+
+HorizonMap horizon_of(const Surface& s, const WebOptions& options, const Progress& progress) {
+    if (options.shadow_side <= 0 || s.width() < 2 || s.height() < 2) return {};
+    return horizon_map(coarse_heights(s.height_mm, s.mm_per_pixel, options.shadow_side), progress);
 }
 
 }  // namespace
 
-WebReport write_web_page(const fs::path& path, const Surface& surface, const WebWords& words,
+WebReport write_web_page(const fs::path& path, std::span<const WebState> states, const WebWords& words,
                          const WebOptions& options, const Progress& progress) {
-    require_consistent(surface);
+    TP_REQUIRE(!states.empty(), "a page shows something");
     validate(options);
-    if (surface.width() < 1 || surface.height() < 1) fail("{}: the painting has no pixels", path.string());
+    const Surface& first = *states.front().surface;
+    for (const WebState& state : states) {
+        require_consistent(*state.surface);
+        TP_REQUIRE(state.surface->width() == first.width() && state.surface->height() == first.height(),
+                   "states are of the same pixels");
+    }
+    if (first.width() < 1 || first.height() < 1) fail("{}: the painting has no pixels", path.string());
     const bool single = lower_extension(path) == ".html";
     WebReport report;
     std::optional<PartsInside> inside;
@@ -232,27 +244,40 @@ WebReport write_web_page(const fs::path& path, const Surface& surface, const Web
     else
         beside.emplace(path);
     AtomicFile page(single ? path : path / "index.html");
-    Parts& parts = single ? static_cast<Parts&>(*inside) : *beside;
-    const TexelTiles tiles(surface, range_of(surface));
-    HorizonMap horizon;
-    if (options.shadow_side > 0 && surface.width() > 1 && surface.height() > 1)
-        horizon = horizon_map(coarse_heights(surface.height_mm, surface.mm_per_pixel, options.shadow_side),
-                              progress);
-    add_parts(parts, tiles, horizon, report, progress);
-    const std::string text =
-        page_with(data_of(surface, tiles, horizon, words, options), single ? inside->text() : "");
+    const TexelRange range = range_of_all(states);
+    json data = data_of(first, range, words, options);
+    StatesOfPage pages(single ? static_cast<PageParts&>(*inside) : *beside, states.size(), report, progress);
+    for (const WebState& state : states) {
+        const HorizonMap horizon = horizon_of(*state.surface, options, progress);
+        data["states"].push_back(data_of_state(state, range, horizon));
+        const TexelTiles tiles(*state.surface, range);
+        pages.lose(options, *state.surface, tiles);
+        data["states"].back()["own"] = pages.add(*state.surface, tiles, horizon);
+    }
+    pages.tell_losses();
+    if (report.jpeg_quality > 0)
+        data["lossy"] = {{"psnr_db", report.psnr_db}, {"height_rms", report.height_rms}};
+    tangi::report(progress, "tiles", 1);
+    const std::string text = page_with(data, words.linked, single ? inside->text() : "");
     page.write(text);
+    report.levels = web_levels(first.width(), first.height());
+    report.bytes = single ? text.size() : report.bytes + text.size();
+    report.first_bytes = single ? text.size() : report.first_bytes + text.size();
     if (single) {
-        report.bytes = report.first_bytes = text.size();
+        page.commit();
     } else {
-        report.bytes += text.size();
-        report.first_bytes += text.size();
         beside->place_with(page);
         report.files.push_back(path / "parts");
     }
-    if (single) page.commit();
     report.files.insert(report.files.begin(), page.target());
     return report;
+}
+
+WebReport write_web_page(const fs::path& path, const Surface& surface, const WebWords& words,
+                         const WebOptions& options, const Progress& progress) {
+    // Not its owner: it outlives the call.
+    const WebState one{words.title, std::shared_ptr<const Surface>(std::shared_ptr<void>(), &surface)};
+    return write_web_page(path, std::span(&one, 1), words, options, progress);
 }
 
 }  // namespace tangi

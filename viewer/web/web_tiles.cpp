@@ -59,25 +59,29 @@ void append_planes(std::string& bytes, const std::vector<int>& codes, int width,
 
 }  // namespace
 
-int web_levels(int width, int height) {
-    int levels = 1;
-    while (std::max(width, height) > 1LL << (kTileBits + levels - 1)) ++levels;
-    return levels;
-}
-
-std::string web_tile(const TexelTiles& tiles, const TileName& name) {
+TilePlace place_of(const TexelTiles& tiles, const TileName& name) {
     TP_REQUIRE(name.level >= 0 && name.level < tiles.levels(), "there is such a level");
     const LevelSize size = level_size(tiles.width(), tiles.height(), name.level);
     const int x0 = name.column * kTileSide, y0 = name.row * kTileSide;
-    const int width = std::min(kTileSide, size.width - x0), height = std::min(kTileSide, size.height - y0);
-    TP_REQUIRE(width > 0 && height > 0, "there is such a tile");
+    const TilePlace place{name.level, x0, y0, std::min(kTileSide, size.width - x0),
+                          std::min(kTileSide, size.height - y0)};
+    TP_REQUIRE(place.width > 0 && place.height > 0, "there is such a tile");
+    return place;
+}
+
+std::string web_tile(const TexelTiles& tiles, const TileName& name) {
+    return web_tile(tiles, name, web_fields(tiles.range()));
+}
+
+std::string web_tile(const TexelTiles& tiles, const TileName& name, std::span<const WebField> fields) {
+    const auto [level, x0, y0, width, height] = place_of(tiles, name);
     std::string bytes;
     std::vector<int> codes(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    for (const WebField& field : web_fields(tiles.range())) {
+    for (const WebField& field : fields) {
         std::size_t i = 0;
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
-                codes[i++] = static_cast<int>(kept_code(tiles.at(x0 + x, y0 + y, name.level), field));
+                codes[i++] = static_cast<int>(kept_code(tiles.at(x0 + x, y0 + y, level), field));
         append_planes(bytes, codes, width, height, field.kept);
     }
     return deflated(bytes);

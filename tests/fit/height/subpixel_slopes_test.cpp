@@ -25,6 +25,20 @@ Vec3 mean_normal(double slope, double change) {
     return Vec3(glm::normalize(sum));
 }
 
+TEST(MixedSlopes, WhatAPixelMixesIsLessCertain) {
+    Image<Vec3> normal(6, 3, Vec3(0, 0, 1));
+    for (int y = 0; y < 3; ++y) normal(5, y) = glm::normalize(Vec3(-0.4f, 0, 1));
+    Image<float> known(6, 3, 1.0f);
+    known(0, 0) = 0;
+    Image<HalfError> error(6, 3, HalfError(0.001f));
+    error(0, 0) = HalfError(0);
+    add_mixing_error(normal, known, error);
+    EXPECT_EQ(float(error(0, 0)), 0.0f) << "not measured";
+    EXPECT_NEAR(float(error(2, 1)), 0.001f, 1e-5f) << "as its neighbours";
+    EXPECT_GT(float(error(4, 1)), 0.004f) << "beside an edge";
+    EXPECT_LT(float(error(4, 1)), 0.4f / std::sqrt(12.0f)) << "no more than all of the edge within it";
+}
+
 // The mean slope is that of the middle; at 0.8 +- 0.25 the normal is less steep by 0.6 %, at 0.8 +- 0.5
 // by 2.6 %.
 TEST(MixedSlopes, MeanSlopesOfAnEvenChangeComeBack) {

@@ -33,7 +33,7 @@ struct BandScene {
                        [&](int x, int row, const WardEstimate& e) {
                            result[{x, row}] = e;
                        });
-        if (agreement) *agreement = fitter.agreement();
+        if (agreement) *agreement = fitter.agreement().at(0);
         return result;
     }
 };

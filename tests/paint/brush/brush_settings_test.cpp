@@ -84,7 +84,7 @@ TEST(BrushSettings, FilesAddToThePresets) {
                       std::string(201, 'x') + R"(": {}}})"),
                 HasSubstr("200 bytes at most"));
     EXPECT_THAT(error("{\"format\": \"tangipaint brushes\",\n \"version\": NaN}"),
-                AllOf(HasSubstr("b.json:2: is not JSON"), HasSubstr("column 13: JSON has no NaN")));
+                AllOf(HasSubstr("b.json: line 2: is not JSON"), HasSubstr("column 13: JSON has no NaN")));
 }
 
 TEST(BrushSettings, FilesSayThatABrushHoldsLessThanItIsLoadedWith) {

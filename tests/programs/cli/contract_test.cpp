@@ -67,8 +67,8 @@ TEST(CliUsage, WhatIsMissingIsNamed) {
     EXPECT_TRUE(ended(tangipaint({"info"}), 2, {"FILE"}));
     EXPECT_TRUE(ended(tangipaint({"generate"}), 2, {"--out"}));
     EXPECT_TRUE(ended(tangipaint({"generate", "--out"}), 2, {"--out: has no value"}));
-    EXPECT_TRUE(ended(tangipaint({"fit", "photos", "--ot", "a.exr"}), 2,
-                      {"--out is required; --ot: fit has no such option; did you mean --out?"}));
+    EXPECT_TRUE(ended(tangipaint({"compare", "a.exr", "photos", "--ot", "dir"}), 2,
+                      {"--out is required; --ot: compare has no such option; did you mean --out?"}));
 }
 
 TEST(CliUsage, WhatIsGivenTwiceIsNamedWithBothValues) {
@@ -263,7 +263,9 @@ TEST(CliContract, TooLittleMemoryIsAnErrorThatSaysSo) {
     Conditions small;
     small.memory = rlim_t{900} << 20;
     small.environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}};
-    const Finished run = tangipaint({"info", stack.out("large.exr"), "--threads", "1"}, small);
+    const Finished run = tangipaint(
+        {"export", stack.out("large.exr"), "--to", "maps", "--out", stack.out("maps"), "--threads", "1"},
+        small);
     EXPECT_TRUE(ended(run, 1, {"large.exr", "GB of memory", "are left"}));
 }
 

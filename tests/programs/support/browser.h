@@ -29,12 +29,28 @@ inline std::string browser_program() {
 
 class Browser {
 public:
-    explicit Browser(const std::filesystem::path& scratch, const char* flag = "--hide-scrollbars")
+    explicit Browser(const std::filesystem::path& scratch,
+                     const std::vector<std::string>& flags = {"--hide-scrollbars"})
         : scratch_(scratch) {
         int to[2], from[2];
         if (::pipe2(to, O_CLOEXEC) != 0 || ::pipe2(from, O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
         const std::string program = browser_program(),
                           profile = "--user-data-dir=" + (scratch / "profile").string();
+        std::vector<std::string> words = {program,
+                                          "--headless",
+                                          "--no-sandbox",
+                                          "--use-gl=angle",
+                                          "--use-angle=swiftshader",
+                                          "--enable-unsafe-swiftshader",
+                                          "--force-color-profile=srgb",
+                                          "--disable-background-networking",
+                                          "--remote-debugging-pipe",
+                                          profile,
+                                          "about:blank"};
+        words.insert(words.end() - 1, flags.begin(), flags.end());
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        argv.push_back(nullptr);
         pid_ = ::fork();
         if (pid_ == 0) {
             ::setpgid(0, 0);
@@ -43,10 +59,7 @@ public:
             ::dup2(out, 4);
             const int nothing = ::open("/dev/null", O_RDWR);
             for (const int fd : {0, 1, 2}) ::dup2(nothing, fd);
-            ::execl(program.c_str(), program.c_str(), "--headless", "--no-sandbox", "--use-gl=angle",
-                    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-color-profile=srgb",
-                    "--disable-background-networking", "--remote-debugging-pipe", profile.c_str(), flag,
-                    "about:blank", static_cast<char*>(nullptr));
+            ::execv(program.c_str(), argv.data());
             ::_exit(127);
         }
         ::close(to[0]);
@@ -116,11 +129,35 @@ public:
         for (int i = 1; i <= 4; ++i) mouse("mouseMoved", from + (to - from) * (i / 4.0));
         mouse("mouseReleased", to);
     }
+    void click(glm::dvec2 at) { drag(at, at); }
+    // A key by its name ("ArrowLeft"), and text that is typed.
+    void press(const std::string& key) {
+        for (const char* type : {"rawKeyDown", "keyUp"})
+            call("Input.dispatchKeyEvent", {{"type", type}, {"key", key}});
+    }
+    void type(const std::string& text) { call("Input.insertText", {{"text", text}}); }
     Image<Rgb> screenshot() {  // [sRGB, 0..1]
         const std::string text = call("Page.captureScreenshot")["data"];
         const auto path = scratch_ / "screenshot.png";
         std::ofstream(path, std::ios::binary) << bytes_of(text);
         return read_picture(path);
+    }
+
+    static std::string bytes_of(const std::string& base64) {
+        std::string bytes;
+        unsigned value = 0;
+        int bits = 0;
+        for (const char c : base64) {
+            if (c == '=') break;
+            const unsigned digit = c >= 'A' && c <= 'Z'   ? unsigned(c - 'A')
+                                   : c >= 'a' && c <= 'z' ? unsigned(c - 'a') + 26
+                                   : c >= '0' && c <= '9' ? unsigned(c - '0') + 52
+                                   : c == '+'             ? 62
+                                                          : 63;
+            value = value << 6 | digit;
+            if ((bits += 6) >= 8) bytes += static_cast<char>(value >> (bits -= 8) & 0xff);
+        }
+        return bytes;
     }
 
     std::string errors;                 // uncaught, of pages
@@ -141,23 +178,6 @@ private:
             arrived_.append(buffer, static_cast<std::size_t>(size));
         }
     }
-    static std::string bytes_of(const std::string& base64) {
-        std::string bytes;
-        unsigned value = 0;
-        int bits = 0;
-        for (const char c : base64) {
-            if (c == '=') break;
-            const unsigned digit = c >= 'A' && c <= 'Z'   ? unsigned(c - 'A')
-                                   : c >= 'a' && c <= 'z' ? unsigned(c - 'a') + 26
-                                   : c >= '0' && c <= '9' ? unsigned(c - '0') + 52
-                                   : c == '+'             ? 62
-                                                          : 63;
-            value = value << 6 | digit;
-            if ((bits += 6) >= 8) bytes += static_cast<char>(value >> (bits -= 8) & 0xff);
-        }
-        return bytes;
-    }
-
     std::filesystem::path scratch_;
     pid_t pid_ = -1;
     int to_ = -1, from_ = -1, id_ = 0;

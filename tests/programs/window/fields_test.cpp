@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "retouch/treatment/treatment.h"
-#include "surface/painting_file/fit_doubts.h"
+#include "surface/provenance/fit_doubts.h"
 #include "tests/programs/support/painting_window.h"
 
 namespace tangi {

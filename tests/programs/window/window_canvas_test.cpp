@@ -4,6 +4,8 @@
 #include "paint/files/canvas_file.h"
 #include "paint/substrate/substrate.h"
 #include "surface/base/json_reading.h"
+#include "surface/file/output_set.h"
+#include "surface/painting_file/painting_output.h"
 #include "tests/programs/support/painting_window.h"
 
 namespace tangi {
@@ -150,6 +152,33 @@ TEST_F(Window, ExportsToOpenRasterWhatSavingWouldWrite) {
     ASSERT_EQ(tangipaint({"export", painting_.string(), "--to", "ora", "--out", by_command}).code, 0);
     EXPECT_THAT(bytes_of(by_command), testing::HasSubstr("rotation_rad")) << "of the brush";
     EXPECT_TRUE(bytes_of(folder_ / "small.ora") == bytes_of(by_command));
+}
+
+// Of a folder of tiles only those are written again that were painted on.
+TEST_F(Window, APaintingInTilesIsPaintedOnAndSaved) {
+    Surface wide = painted_surface(1300, 900);
+    wide.mm_per_pixel = 0.1;
+    painting_ = folder_ / "wide.tangi";
+    PaintingOutput output(painting_);
+    output.fill(wide, {});
+    OutputSet set;
+    output.add_to(set);
+    set.commit();
+    fs::remove(folder_ / "small.exr");
+    const fs::path beside = painting_ / "0" / "1_0.exr";
+    const auto written = fs::last_write_time(beside);
+    start();
+    paint_a_stroke();  // in the middle: within the first tile
+    screen_->key("ctrl+s");
+    EXPECT_TRUE(Screen::until([&] { return !painting_parts(painting_).empty(); }));
+    screen_->settled();
+    const Finished closed = close();
+    EXPECT_EQ(closed.code, 0) << closed.err;
+    EXPECT_EQ(closed.json()["saves"], 1);
+    EXPECT_FALSE(read_canvas(painting_).wet().empty());
+    EXPECT_EQ(fs::last_write_time(beside), written);
+    EXPECT_TRUE(images_identical(read_painting(painting_).diffuse, wide.diffuse));
+    EXPECT_THAT(names_in(folder_.path()), testing::ElementsAre("wide.tangi", "wide.tangi.strokes.jsonl"));
 }
 
 }  // namespace

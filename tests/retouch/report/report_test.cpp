@@ -13,6 +13,7 @@
 #include "retouch/treatment/treatment_steps.h"
 #include "surface/base/error.h"
 #include "surface/file/atomic_file.h"
+#include "surface/file/version.h"
 #include "surface/painting_file/painting_file.h"
 #include "tests/support/paint/paint_support.h"
 #include "tests/support/test_support.h"
@@ -223,7 +224,7 @@ TEST(ReportPdf, PlansAreReducedToAScaleThatIsRound) {
     plan.outlines = {{{10, 10}, {500, 10}, {500, 700}}};
     plan.width_mm = 600, plan.height_mm = 800;
     plan.caption = "mask";
-    write_pdf(dir / "a.pdf", ReportDocument{"title", "test", {plan}});
+    write_pdf(dir / "a.pdf", ReportDocument{"title", {plan}});
     EXPECT_THAT(text_of_pdf(dir / "a.pdf", dir / "a.txt"),
                 AllOf(HasSubstr("Scale 1:5;"), HasSubstr("100 mm on the painting")));
 }
@@ -238,7 +239,7 @@ TEST(ReportPdf, LongTablesGoOnOnTheNextPage) {
     std::string longest;
     for (int i = 0; i < 3000; ++i) longest += fmt::format("word{} ", i);
     table.rows.push_back({longest});
-    write_pdf(dir / "a.pdf", ReportDocument{"title", "test", {ReportHeading{"Log"}, table}});
+    write_pdf(dir / "a.pdf", ReportDocument{"title", {ReportHeading{"Log"}, table}});
     const std::string text = text_of_pdf(dir / "a.pdf", dir / "a.txt");
     for (int i = 0; i < 150; ++i) EXPECT_THAT(text, HasSubstr(fmt::format("row <{}>", i)));
     EXPECT_EQ(count(text, "word"), 3000);
@@ -257,6 +258,7 @@ TEST_F(Report, DamageIsOnAnIiifCanvasAsWebAnnotations) {
     const Treatment treatment = Treatment::open(folder());
     const nlohmann::json page = web_annotations(treatment, "my report");
     ASSERT_EQ(page.at("items").size(), 1u);
+    EXPECT_EQ(page["generator"]["name"], program_name());
     const nlohmann::json& item = page["items"][0];
     EXPECT_EQ(item["type"], "Annotation");
     EXPECT_EQ(item["target"]["source"], "my%20report.picture.jpg");
@@ -276,6 +278,7 @@ TEST_F(Report, DamageIsOnAnIiifCanvasAsWebAnnotations) {
     EXPECT_EQ(canvas["annotations"][0]["type"], "AnnotationPage");
     EXPECT_EQ(canvas["annotations"][0]["items"][0]["target"]["source"]["id"], canvas["id"]);
     EXPECT_EQ(manifest["metadata"][0]["value"]["none"][0], "p.exr");
+    EXPECT_EQ(manifest["metadata"][3]["value"]["none"][0], program_name());
 
     // Published, all are addresses (IIIF Presentation 3.0, 3.2: identifiers are HTTP(S) URIs).
     const std::string there = "https://museum.example/42/";

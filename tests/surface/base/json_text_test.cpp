@@ -41,7 +41,7 @@ TEST(JsonText, OfAFileIsReadWithinLimits) {
     EXPECT_THAT(error(deep), HasSubstr("a.json: has lists and objects in each other, deeper than 64"));
     EXPECT_TRUE(json_or_discarded(deep).is_discarded());
     EXPECT_EQ(error("{\n\"a\": NaN}"),
-              "a.json: line 2: is not JSON: column 6: JSON has no NaN and no Infinity");
+              "a.json: line 2: is not JSON: column 6: JSON has no NaN and no Infinity; write a number");
     EXPECT_EQ(read_json("{\"a\": [1]}", "x"), json_or_discarded("{\"a\": [1]}"));
     EXPECT_TRUE(json_or_discarded("{\"a\": 1").is_discarded());
     EXPECT_TRUE(json_or_discarded("[1e400]").is_discarded());
@@ -74,16 +74,17 @@ TEST(JsonText, SaysWhyATextIsNone) {
         return "it is JSON";
     };
     EXPECT_EQ(why("[1]"), "it is JSON");
-    EXPECT_EQ(why(" \n"), "it is empty");
+    EXPECT_EQ(why(" \n"), "it is empty; copy the file again, or make it anew");
     for (const char* cut : {"{\"a\": 1", "[\n", "[\"caf\xc3", "[tr"})
-        EXPECT_THAT(why(cut), HasSubstr("as if cut off")) << cut;
-    EXPECT_EQ(why("[1,\n  \"caf\xc3\xa9\", NaN]"), "column 11: JSON has no NaN and no Infinity");
+        EXPECT_THAT(why(cut), HasSubstr("as if cut off; copy the file again, or make it anew")) << cut;
+    EXPECT_EQ(why("[1,\n  \"caf\xc3\xa9\", NaN]"),
+              "column 11: JSON has no NaN and no Infinity; write a number");
     EXPECT_THAT(why("[-Infinity]"), HasSubstr("no Infinity"));
     EXPECT_EQ(why("[\"\xc3\xa9\xff\"]"), "column 4: the byte 0xff is no UTF-8; save it as a text in UTF-8");
     EXPECT_THAT(why("[\"\xc3\x28\"]"), HasSubstr("column 3: the byte 0xc3"));
     EXPECT_THAT(why(std::string("\0\1", 2)), HasSubstr("column 1: a byte 0x00, which no text has"));
-    EXPECT_EQ(why("{}xx"), "column 3: 'xx' does not belong there");
-    EXPECT_EQ(why("{\"a\": 1,}"), "column 9: '}' does not belong there");
+    EXPECT_EQ(why("{}xx"), "column 3: 'xx' does not belong there; correct it");
+    EXPECT_EQ(why("{\"a\": 1,}"), "column 9: '}' does not belong there; correct it");
     EXPECT_THAT(why("[\"a\nb\"]"), HasSubstr("column 4: a tab or line end"));
     EXPECT_LT(why("[" + std::string(100000, 'x')).size(), 120u);
 }

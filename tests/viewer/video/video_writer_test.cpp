@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <opencv2/videoio.hpp>
 
+#include "surface/file/version.h"
 #include "tests/support/test_support.h"
 #include "viewer/video/ffmpeg_writer_file.h"
 #include "viewer/video/light_sweep.h"
@@ -56,6 +57,7 @@ TEST(Film, VideosShowWhatWasAdded) {
             film->finish();
         }
         EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{name});
+        EXPECT_NE(bytes_of(file).find(program_name()), std::string::npos) << name;
         std::filesystem::rename(file, folder / "plain");
         cv::VideoCapture video((folder / "plain").string(), cv::CAP_FFMPEG);
         ASSERT_TRUE(video.isOpened());

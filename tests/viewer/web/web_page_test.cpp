@@ -2,58 +2,20 @@
 // but itself.
 #include "viewer/web/web_page.h"
 
+#include <gmock/gmock.h>
+
+#include <regex>
+
 #include "surface/file/atomic_file.h"
-#include "surface/render/relight.h"
-#include "tests/programs/support/browser.h"
-#include "tests/support/viewer/viewer_support.h"
-#include "viewer/render/view.h"
+#include "surface/file/version.h"
+#include "tests/viewer/web/page_support.h"
+#include "tests/web/held_reference.h"
+#include "tests/web/tablet.h"
 
 namespace tangi {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int kWidth = 300, kHeight = 270, kScreenWidth = 400, kScreenHeight = 360;
-
-// The page at one pixel for one, without controls, tone curve, ambient light and shadows.
-std::string url_of(const fs::path& page, double azimuth_deg, double elevation_deg) {
-    return fmt::format("file://{}#ui=0&zoom=1&shadows=0&ambient=0&shoulder=0&azimuth={}&elevation={}",
-                       page.string(), azimuth_deg, elevation_deg);
-}
-
-// What the reference renderer gives for it, from where the page's eye is: three heights of the screen.
-Image<Rgb> reference(Surface s, double azimuth_deg, double elevation_deg) {
-    s.photography.rig = {.camera_distance_mm = static_cast<float>(3 * kScreenHeight * s.mm_per_pixel)};
-    return relight(s, std::array{distant_light(direction_of(azimuth_deg, elevation_deg))});
-}
-
-Image<Rgb> middle_of(const Image<Rgb>& screenshot) {
-    const Transfer srgb{Transfer::Kind::srgb};
-    Image<Rgb> picture(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
-            const Rgb& c = screenshot(x + (kScreenWidth - kWidth) / 2, y + (kScreenHeight - kHeight) / 2);
-            picture(x, y) = srgb.decode(c);
-        }
-    return picture;
-}
-
-class WebPageInABrowser : public testing::Test {
-protected:
-    void SetUp() override {
-        if (browser_program().empty()) GTEST_SKIP() << "no Chromium here (Debian: chromium-headless-shell)";
-        browser_.emplace(scratch_.path());
-    }
-    void open(const std::string& url) { open_at(url, {kScreenWidth, kScreenHeight}); }
-    void open_at(const std::string& url, glm::ivec2 screen) {
-        browser_->open(url, screen.x, screen.y);
-        ASSERT_TRUE(browser_->becomes_true("document.documentElement.dataset.drawn === 'whole'"))
-            << browser_->errors;
-    }
-
-    TestDir scratch_;
-    std::optional<Browser> browser_;
-};
 
 TEST_F(WebPageInABrowser, EqualsTheReferenceFromAFolderAndAsOneFile) {
     const Surface s = painted_surface(kWidth, kHeight);
@@ -82,7 +44,7 @@ TEST_F(WebPageInABrowser, EqualsTheReferenceFromAFolderAndAsOneFile) {
 TEST_F(WebPageInABrowser, FollowsTheHand) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
-    open("file://" + (scratch_ / "page.html").string());
+    open_at("file://" + (scratch_ / "page.html").string() + "#zoom=1.6", {800, 640});
     const auto text = [&](const char* id) {
         return browser_->evaluate(fmt::format("document.getElementById('{}').textContent", id))
             .get<std::string>();
@@ -91,7 +53,7 @@ TEST_F(WebPageInABrowser, FollowsTheHand) {
     EXPECT_EQ(text("title"), "Ridges");
     EXPECT_NE(text("size").find("30.0 mm × 27.0 mm"), std::string::npos) << text("size");
     EXPECT_EQ(text("angles"), "135° · 50° high");
-    browser_->drag({200, 150}, {380, 150});
+    browser_->drag({400, 240}, {700, 240});
     EXPECT_TRUE(
         browser_->becomes_true("/^(0|35\\d|[1-9])° · [2-9]° high/.test("
                                "document.getElementById('angles').textContent)"))
@@ -99,10 +61,38 @@ TEST_F(WebPageInABrowser, FollowsTheHand) {
     EXPECT_LT(part_within(before, browser_->screenshot(), 3), 0.9) << "the picture follows the light";
     // A distance, by the tool Measure.
     browser_->evaluate("document.querySelector('[data-tool=ruler]').click()");
-    browser_->drag({150, 150}, {250, 150});
+    browser_->drag({350, 240}, {450, 240});
     EXPECT_TRUE(
-        browser_->becomes_true("/^1\\d\\.\\d mm$/.test(document.getElementById('distance').textContent)"))
+        browser_->becomes_true("/^6\\.2\\d mm$/.test(document.getElementById('distance')?.textContent)"))
         << text("distance");
+    EXPECT_EQ(browser_->errors, "");
+}
+
+// The device's sensor, as the browser has it.
+TEST_F(WebPageInABrowser, FollowsHowTheDeviceIsHeld) {
+    const Surface s = painted_surface(kWidth, kHeight);
+    write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
+    for (const char* name : {"accelerometer", "gyroscope"})
+        browser_->call("Browser.setPermission", {{"permission", {{"name", name}}}, {"setting", "granted"}});
+    hold_screen(*browser_, 0, 0, 0);
+    open(url_of(scratch_ / "page.html", 130, 50));
+    browser_->evaluate("document.getElementById('follow').click()");
+    ASSERT_TRUE(
+        browser_->becomes_true("document.getElementById('follow').getAttribute('aria-pressed') === 'true'"))
+        << browser_->errors;
+    const Vec3 light = direction_of(130, 50);
+    for (const glm::dvec3 turn : {glm::dvec3(0, 20, 0), glm::dvec3(0, -10, 25), glm::dvec3(30, 15, -12)}) {
+        hold_screen(*browser_, turn.x, turn.y, turn.z);
+        ASSERT_TRUE(browser_->becomes_true("document.documentElement.dataset.drawn === 'whole'"));
+        const Image<Rgb> seen = middle_of(browser_->screenshot());
+        const double distance_mm = 3 * kScreenHeight * s.mm_per_pixel;
+        EXPECT_GE(
+            part_within(seen, reference_held(s, light, distance_mm, held_screen(turn.x, turn.y, turn.z)), 2),
+            0.995)
+            << turn.x << " " << turn.y << " " << turn.z;
+        EXPECT_LT(part_within(seen, reference_held(s, light, distance_mm, held_screen(0, 0, 0)), 2), 0.6)
+            << "how it is held matters here";
+    }
     EXPECT_EQ(browser_->errors, "");
 }
 
@@ -160,7 +150,8 @@ TEST_F(WebPageInABrowser, HasAllControlsOnAnyScreen) {
         const nlohmann::json hidden = browser_->evaluate(
             "[...document.querySelectorAll('#controls button, #controls select, #controls input')].filter(e "
             "=> {"
-            "const b = e.getBoundingClientRect(); return e.id !== 'more' && !(b.width > 0 && b.left >= 0 &&"
+            "const b = e.getBoundingClientRect(); return e.id !== 'more' && !e.closest('[hidden]') && "
+            "!(b.width > 0 && b.left >= 0 &&"
             "b.right <= innerWidth && b.bottom <= innerHeight); }).map(e => e.id)");
         EXPECT_EQ(hidden, nlohmann::json::array()) << screen.x << " x " << screen.y;
     }
@@ -194,7 +185,7 @@ TEST_F(WebPageInABrowser, BeginsBesideItsCaption) {
 
 TEST_F(WebPageInABrowser, SaysWhatTheBrowserLacks) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {});
-    browser_.emplace(scratch_.path(), "--disable-3d-apis");
+    browser_.emplace(scratch_.path(), std::vector<std::string>{"--disable-3d-apis"});
     browser_->open("file://" + (scratch_ / "page.html").string(), kScreenWidth, kScreenHeight);
     EXPECT_TRUE(
         browser_->becomes_true("!document.getElementById('failed').hidden && /WebGL "
@@ -239,8 +230,10 @@ TEST(WebPage, IsPublishedAsAWhole) {
               fs::file_size(dir / "page/index.html") + fs::file_size(dir / "page/parts/1/0_0.js"));
     const std::string page = read_text_file(dir / "page/index.html");
     EXPECT_EQ(page.find("</script><b>"), std::string::npos) << "a title stays text";
-    EXPECT_EQ(page.find("http"), std::string::npos) << "nothing comes from elsewhere";
+    EXPECT_FALSE(std::regex_search(page, std::regex(R"re((src|href|url|import|fetch)\W{1,3}https?:)re")))
+        << "nothing comes from elsewhere; vocabularies have addresses for names";
     EXPECT_EQ(page.find("{{"), std::string::npos);
+    EXPECT_NE(page.find("<meta name=\"generator\" content=\"" + program_name()), std::string::npos);
     for (const char* part : {"0/0_0.js", "0/1_0.js", "1/0_0.js", "horizon.js"})
         EXPECT_TRUE(fs::exists(dir / "page/parts" / part)) << part;
     // Stopped: the old page is as it was. Replaced: nothing of it is left.
@@ -255,6 +248,30 @@ TEST(WebPage, IsPublishedAsAWhole) {
         if (entry.is_regular_file()) left.push_back(fs::relative(entry.path(), dir / "page").string());
     std::sort(left.begin(), left.end());
     EXPECT_EQ(left, (std::vector<std::string>{"index.html", "parts/0/0_0.js"}));
+}
+
+// A site has a page of its own; other files may lie beside ours.
+TEST(WebPage, DoesNotReplaceWhatOthersWrote) {
+    const TestDir dir;
+    const Surface s = painted_surface(30, 40);
+    const fs::path site = dir / "site";
+    fs::create_directories(site / "parts/0");
+    const auto expect_refused = [&](const fs::path& mine) {
+        write_text_file(mine, "mine");
+        const std::string said = error_of([&] { write_web_page(site, s, {}); });
+        EXPECT_THAT(said, testing::StartsWith(mine.string() + ": is not of an earlier export"));
+        EXPECT_THAT(said, testing::HasSubstr("another folder"));
+        EXPECT_EQ(read_text_file(mine), "mine");
+        fs::remove(mine);
+    };
+    for (const char* mine : {"index.html", "parts/logo.svg", "parts/0/0_0.js.bak"})
+        expect_refused(site / mine);
+    fs::remove_all(site / "parts");
+    expect_refused(site / "parts");
+    write_text_file(site / "about.html", "mine");
+    for (int times = 0; times < 2; ++times) write_web_page(site, s, {});
+    EXPECT_EQ(read_text_file(site / "about.html"), "mine");
+    EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"site"});
 }
 
 TEST(WebPage, SaysWhatIsTooLargeForOneFile) {

@@ -1,5 +1,10 @@
 // drawing.js: the painting drawn by WebGL 2 with the window's shaders, as viewer/render/renderer.cpp does.
 
+import {clamp, degree} from './placement.js';
+import {Tiles} from './tiles.js';
+
+export const usualSoftness = 1.5;  // [degrees], as in the window
+
 const header = `#version 300 es
 precision highp float;
 precision highp int;
@@ -8,24 +13,34 @@ precision highp usampler2D;
 precision highp usampler2DArray;
 `;
 
-class Drawing {
-  constructor(canvas, layers, changed, failed) {
+// Linear RGB of a light from its sRGB colour, "#ffcc88": as a filter before a white light, its strongest channel stays as it is.
+export function gainOf(colour) {
+  const linear = [1, 3, 5].map(i => parseInt(colour.slice(i, i + 2), 16) / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  const most = Math.max(...linear);
+  return most > 0 ? linear.map(v => v / most) : [1, 1, 1];
+}
+
+// Drawing.draw()'s scene: what a page's state says, under this light [unit vector, surface's frame]. softness: its angular radius
+// [degrees].
+export function sceneOf(picture, {look, shadows, ambient, exposure, shoulder, colour = '#ffffff', softness = usualSoftness}, light) {
+  const {name} = picture.looks[look];
+  return {light, gain: gainOf(colour), softness, look, shadows, ambient, exposure, shoulder, strength: name === 'Specular enhancement' ? 0.7 : 2.1,
+    sharpness: name === 'Unsharp normals' ? 3 : 40};
+}
+
+export class Drawing {
+  // picture: what viewer/web/web_data.h says of it, and `levels`. `layers` and `source`: as Tiles has them.
+  constructor(canvas, picture, layers, source) {
     this.gl = canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, stencil: false, powerPreference: 'high-performance'});
-    if (!this.gl || typeof DecompressionStream === 'undefined') throw new Error('WebGL 2 is missing');
-    this.programs = new Map();
-    this.changed = changed;
-    this.tiles = new Tiles(this.gl, layers, changed, failed);
+    if (!this.gl) throw new Error('WebGL 2 is missing');
+    Object.assign(this, {picture, source, programs: new Map(), horizon: null});
+    this.tiles = new Tiles(this.gl, picture, layers, source);
     this.gl.bindVertexArray(this.gl.createVertexArray());
-    this.loadHorizon().catch(() => failed('horizon'));
   }
-  // The map of horizons comes when the picture is there.
-  async loadHorizon() {
-    const [width, height, azimuths] = data.horizon;
-    this.horizon = null;
-    if (width === 0) return;
-    const bytes = await part('horizon');
-    for (let i = 1; i < bytes.length; ++i) bytes[i] += bytes[i - 1];
+  // The map of horizons (viewer/render/horizon.h), which may come when the picture is there, or anew.
+  setHorizon(width, height, azimuths, values) {
     const {gl} = this;
+    if (this.horizon) gl.deleteTexture(this.horizon);
     this.horizon = gl.createTexture();
     gl.activeTexture(gl.TEXTURE0 + 1);
     gl.bindTexture(gl.TEXTURE_3D, this.horizon);
@@ -33,9 +48,9 @@ class Drawing {
     for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_3D, name, gl.CLAMP_TO_EDGE);
     gl.texParameteri(gl.TEXTURE_3D, gl.TEXTURE_WRAP_R, gl.REPEAT);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.texImage3D(gl.TEXTURE_3D, 0, gl.R8, width, height, azimuths, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.R8, width, height, azimuths, 0, gl.RED, gl.UNSIGNED_BYTE, values);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-    this.changed();
+    this.source.changed();
   }
   shader(kind, text) {
     const {gl} = this, shader = gl.createShader(kind);
@@ -47,7 +62,7 @@ class Drawing {
     let found = this.programs.get(definitions);
     if (found) return found;
     const {gl} = this, program = gl.createProgram();
-    const parts = [this.shader(gl.VERTEX_SHADER, definitions + data.vertex_shader), this.shader(gl.FRAGMENT_SHADER, definitions + data.fragment_shader)];
+    const parts = [this.shader(gl.VERTEX_SHADER, definitions + this.picture.vertex_shader), this.shader(gl.FRAGMENT_SHADER, definitions + this.picture.fragment_shader)];
     for (const shader of parts) gl.attachShader(program, shader);
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS))
@@ -61,11 +76,28 @@ class Drawing {
     return found;
   }
 
-  // scene: {light [unit vector, surface's frame], look, shadows, ambient, exposure, shoulder, strength, sharpness}.
-  // shot: {matrix, eye, level, smooth}; rectangle of the canvas: {left, bottom, width, height}.
-  draw(scene, shot, rectangle) {
-    const {gl, tiles} = this;
+  // Asks for the tiles that these shots need, and draws them one over the other with those that are there. scene: what sceneOf()
+  // returns. shots: [{camera, rectangle, only, part, smooth}]: a Placement or what else says `seen`, `level`, `shot` and `eye` as it
+  // does; the rectangle of the canvas that its screen fills, {left, bottom, width, height}, and the part of this that is drawn, where it
+  // is not all; pixels for one of its screen; whether it is mixed between texels.
+  show(scene, shots) {
+    const {tiles} = this, views = shots.map(({camera, part}) => {
+      const seen = camera.seen();
+      return {level: tiles.affordable(camera.level(part), seen), seen};
+    });
+    // What is around a pixel, without its details.
+    const around = this.picture.looks[scene.look].name === 'Unsharp normals' ? [{...views[0], level: Math.min(views[0].level + 3, this.picture.levels - 1)}] : [];
+    tiles.want([...views, ...around]);
+    shots.forEach(({camera, rectangle, only, smooth}, i) => {
+      const {left, bottom, width, height} = rectangle;
+      this.draw(scene, {matrix: camera.shot(width, height, left, bottom), eye: camera.eye, level: views[i].level, smooth}, rectangle, only);
+    });
+  }
+  draw(scene, shot, rectangle, only = rectangle) {
+    const {gl, tiles, picture: data} = this;
     gl.viewport(rectangle.left, rectangle.bottom, rectangle.width, rectangle.height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(only.left, only.bottom, Math.max(only.width, 0), Math.max(only.height, 0));
     if (!tiles.ready) {
       gl.clearColor(0.15, 0.15, 0.15, 1);
       gl.clear(gl.COLOR_BUFFER_BIT);
@@ -89,10 +121,10 @@ class Drawing {
     gl.uniform4fv(at('u_range'), data.range);
     gl.uniform1f(at('u_mm_per_pixel'), data.mm_per_pixel);
     gl.uniform4fv(at('u_light'), [x, y, z, 0]);
-    gl.uniform3fv(at('u_gain'), [1, 1, 1]);
+    gl.uniform3fv(at('u_gain'), scene.gain);
     gl.uniform2fv(at('u_place'), [Math.atan2(y, x) / (2 * Math.PI), Math.asin(clamp(z, -1, 1))]);
     gl.uniform2fv(at('u_reflectance_model'), data.reflectance_model);
-    gl.uniform1f(at('u_light_radius'), 1.5 * degree);
+    gl.uniform1f(at('u_light_radius'), scene.softness * degree);
     gl.uniform4f(at('u_viewport'), rectangle.left, rectangle.bottom, rectangle.width, rectangle.height);
     gl.uniformMatrix3fv(at('u_to_painting'), false, shot.matrix);
     gl.uniform4fv(at('u_eye'), shot.eye);

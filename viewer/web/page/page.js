@@ -1,68 +1,71 @@
 // page.js: the page: controls, what is drawn when, links to a view.
 
-const at = id => document.getElementById(id), canvas = at('picture');
-const toolNames = [['light', 'Light', 'drag: move the light over the painting (L)'], ['tilt', 'Tilt', 'drag: tilt the painting (T)'],
-  ['pan', 'Move', 'drag: move the painting (H); two fingers or the wheel zoom'], ['ruler', 'Measure', 'drag: measure a distance (M)']];
-const state = {
-  view: {x: (data.width - 1) / 2, y: (data.height - 1) / 2, zoom: 1, turn: 0}, tilt: {x: 0, y: 0, vx: 0, vy: 0, returning: false},
-  light: {azimuth: data.light_deg[0], elevation: data.light_deg[1]}, tool: 'light', look: 0, shadows: true, sweeping: false,
-  loupe: false, ruler: null, exposure: 0, ambient: 0.03, shoulder: 0.15, ui: true,
-};
-const screen = {width: 1, height: 1};
-let drawing, scale = 1, wanted = false, frameTime = 0, placed = false, fittedZoom = 0;
+import {sceneOf, usualSoftness} from './drawing.js';
+import {Curtain} from './curtain.js';
+import {Frames} from './frames.js';
+import {InputController} from './hand.js';
+import {HeldScreen, tiltRefusals} from './held.js';
+import {followWords, mostSoftness, toolWords, wordsOf} from './link.js';
+import {MarkPen} from './mark_pen.js';
+import {Marks} from './marks.js';
+import {ProfilePane, saveAs} from './measure.js';
+import {Messages, handlersOf, toldOf} from './messages.js';
+import {aimedOnDome, arrowOf, steppedLight, still} from './moves.js';
+import {Notes} from './notes.js';
+import {NotesPane} from './notes_pane.js';
+import {Placement, directionOf} from './placement.js';
+import {lightWords, withWords} from './png_words.js';
+import {Screen} from './screen.js';
+import {snapshot} from './snapshot.js';
+import {States} from './states.js';
 
-// A link holds what it shows: #azimuth=135&elevation=20&look=1&x=…&y=…&zoom=…; the whole painting where zoom is left out.
-// Of each number: where it is in the state, and what of any number can be shown, as the hand would reach it.
-const within = (low, high) => value => clamp(value, low, high), around = value => value - 360 * Math.ceil((value - 180) / 360);
-const linked = {
-  azimuth: ['light', 'azimuth', around], elevation: ['light', 'elevation', within(lowestLight, 90)],
-  tilt_x: ['tilt', 'x', within(-mostTilt, mostTilt)], tilt_y: ['tilt', 'y', within(-mostTilt, mostTilt)],
-  x: ['view', 'x', within(0, data.width - 1)], y: ['view', 'y', within(0, data.height - 1)], zoom: ['view', 'zoom', within(leastZoom, mostZoom)],
-  turn: ['view', 'turn', around], look: ['look', '', value => clamp(Math.round(value), 0, data.looks.length - 1)],
-  exposure: ['exposure', '', within(-3, 3)], ambient: ['ambient', '', within(0, 1)], shoulder: ['shoulder', '', within(0, 1)],
+const at = id => document.getElementById(id), canvas = at('picture');
+const toolNames = {
+  light: ['Light', 'drag: move the light over the painting (L)'], tilt: ['Tilt', 'drag: tilt the painting (T)'],
+  pan: ['Move', 'drag: move the painting (H); two fingers or the wheel zoom'], ruler: ['Measure', 'drag: measure a distance and the heights along it (M)'],
+  point: ['Point', 'click where it is'], line: ['Line', 'drag from end to end, or click both'],
+  polygon: ['Polygon', 'click its corners, at last the first one again'], text: ['Text', 'click where the words begin'],
 };
-// True where it says what part of the painting to show.
+const several = data.states.length > 1;
+const state = {
+  view: {x: (data.width - 1) / 2, y: (data.height - 1) / 2, zoom: 1, turn: 0}, tilt: still,
+  light: {azimuth: data.light_deg[0], elevation: data.light_deg[1]}, colour: '#ffffff', softness: usualSoftness, tool: 'light', look: 0, shadows: true,
+  sweeping: false, loupe: false, ruler: null, exposure: 0, ambient: 0.03, shoulder: 0.15, ui: true,
+  left: 0, right: data.states.length - 1, divider: 0.5, curtain: several,
+  notes: data.annotations.length > 0, selected: null, draft: null, cross: null, measuring: false,
+};
+const screen = new Screen(canvas, data, state, {free, changed: ask});
+let states, told = '';
+
+// True where the address says what part of the painting to show.
 function readLink() {
   const words = new URLSearchParams(location.hash.slice(1));
-  for (const [name, [key, inner, shown]] of Object.entries(linked)) {
-    const word = (words.get(name) ?? '').trim().replace(',', '.'), value = Number(word);
-    if (!word || !Number.isFinite(value)) continue;
-    if (inner) state[key] = {...state[key], [inner]: shown(value)};
-    else state[key] = shown(value);
-    if (key === 'light') state.sweeping = false;
-    if (key === 'tilt') Object.assign(state.tilt, {vx: 0, vy: 0, returning: false});
-  }
-  for (const key of ['shadows', 'ui']) if (words.has(key)) state[key] = words.get(key) !== '0';
-  if (toolNames.some(([name]) => name === words.get('tool'))) state.tool = words.get('tool');
+  const aimed = followWords(words, state, data);
   document.body.classList.toggle('bare', !state.ui);
-  return words.has('zoom');
+  if (words.has('annotation')) choose(words.get('annotation'));
+  return aimed;
 }
 function link() {
-  const words = Object.entries(linked).map(([name, [key, inner]]) => [name, +(inner ? state[key][inner] : state[key]).toFixed(4)]);
-  const hash = new URLSearchParams([...words, ['shadows', +state.shadows], ['tool', state.tool]]).toString();
-  return `${location.href.split('#')[0]}#${hash}`;
+  const chosen = state.selected ? [['annotation', state.selected]] : [];
+  return `${location.href.split('#')[0]}#${new URLSearchParams([...wordsOf(state, data), ['tool', state.tool], ...chosen])}`;
 }
 
-function scene(placement) {
-  const look = data.looks[state.look].name;
-  return {light: placement.inSurface(directionOf(state.light)), look: state.look, shadows: state.shadows, ambient: state.ambient,
-    exposure: state.exposure, shoulder: state.shoulder, strength: look === 'Specular enhancement' ? 0.7 : 2.1,
-    sharpness: look === 'Unsharp normals' ? 3 : 40};
-}
-
-function draw(moving) {
-  const placement = hand.placement(), part = moving ? scale : 1, looks = scene(placement), seen = placement.seen();
-  const width = Math.max(1, Math.round(screen.width * part)), height = Math.max(1, Math.round(screen.height * part));
-  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
-  const {tiles} = drawing, level = tiles.affordable(placement.level(part), seen), views = [{level, seen}];
-  if (data.looks[state.look].name === 'Unsharp normals') views.push({level: Math.min(level + 3, data.levels - 1), seen});
-  const loupe = loupeShot(placement, part);
-  if (loupe) views.push({level: loupe.shot.level, seen: loupe.seen});
-  tiles.want(views);
-  drawing.draw(looks, {matrix: placement.shot(width, height), eye: placement.eye, level, smooth: !moving}, {left: 0, bottom: 0, width, height});
-  if (loupe) drawing.draw(looks, loupe.shot, loupe.rectangle);
+function draw(moving, part) {
+  const placement = hand.placement(), scene = sceneOf(data, state, placement.inSurface(directionOf(state.light)));
+  const rectangle = screen.rectangle(part), parts = curtain.parts(rectangle), loupe = loupeShot(placement, part);
+  curtain.shown.forEach((k, i) => {
+    const all = {camera: placement, rectangle, only: parts[i], part, smooth: !moving};
+    states.drawing(k).show(scene, loupe ? [all, {...loupe, only: common(loupe.rectangle, parts[i])}] : [all]);
+  });
   lens(loupe, part);
-  document.documentElement.dataset.drawn = !moving && tiles.complete && (!state.shadows || drawing.horizon || !data.horizon[0]) ? 'whole' : 'part';
+  marked(placement);
+  controls();
+  tell();
+  document.documentElement.dataset.drawn = !moving && states.complete(curtain.shown, state.shadows) ? 'whole' : 'part';
+}
+function common(a, b) {
+  const left = Math.max(a.left, b.left), bottom = Math.max(a.bottom, b.bottom);
+  return {left, bottom, width: Math.min(a.left + a.width, b.left + b.width) - left, height: Math.min(a.bottom + a.height, b.bottom + b.height) - bottom};
 }
 
 // What is under the cursor four times as large, in a square of the canvas.
@@ -70,70 +73,57 @@ function loupeShot(placement, part) {
   const cursor = hand.cursor, under = state.loupe && cursor && placement.toPainting(...cursor);
   if (!under) return null;
   const side = Math.round(Math.min(240 * devicePixelRatio, screen.width / 2, screen.height / 2)), larger = 4;
-  const place = new Placement({...state.view, x: under[0], y: under[1], zoom: state.view.zoom * larger}, state.tilt, {width: side, height: side});
+  const camera = new Placement(data, {...state.view, x: under[0], y: under[1], zoom: state.view.zoom * larger}, state.tilt, {width: side, height: side}, state.held);
   const size = Math.max(1, Math.round(side * part)), middle = v => Math.round(v * part - size / 2);
-  const rectangle = {left: middle(cursor[0]), bottom: middle(screen.height - cursor[1]), width: size, height: size};
-  const shot = {matrix: place.shot(size, size, rectangle.left, rectangle.bottom), eye: place.eye, level: place.level(part), smooth: true};
-  return {shot, rectangle, seen: place.seen()};
+  return {camera, rectangle: {left: middle(cursor[0]), bottom: middle(screen.height - cursor[1]), width: size, height: size}, part, smooth: true};
 }
 function lens(loupe, part) {
   at('lens').style.display = loupe ? '' : 'none';
   if (!loupe) return;
-  const css = canvas.clientWidth / screen.width / part, {left, bottom, width, height} = loupe.rectangle;
+  const css = screen.css / part, {left, bottom, width, height} = loupe.rectangle;
   Object.assign(at('lens').style, {left: `${left * css}px`, bottom: `${bottom * css}px`, width: `${width * css}px`, height: `${height * css}px`});
 }
 
-// One frame, when something has changed; coarser while it moves on a slow machine.
-function frame(now) {
-  const seconds = Math.min((now - frameTime) / 1000, 0.1), follows = now - frameTime < 100;
-  if (drawing.moved && follows) scale = clamp(seconds > 0.025 ? scale * 0.85 : seconds < 0.018 ? scale * 1.05 : scale, 0.25, 1);
-  frameTime = now;
-  const goesOn = hand.advance(seconds), moving = goesOn || (wanted && hand.holds && hand.drag !== 'ruler');
-  wanted = false;
-  draw(moving);
-  controls();
-  drawing.moved = moving;
-  if (goesOn) ask();
-  else if (moving) drawing.rest = setTimeout(ask, 150);
-}
-function ask() {
-  clearTimeout(drawing?.rest);
-  if (wanted || !drawing) return;
-  wanted = true;
-  requestAnimationFrame(frame);
+const frames = new Frames({advance: seconds => hand.advance(seconds), moving: () => hand.holds && hand.drag !== 'ruler' && hand.drag !== 'mark', draw});
+function ask() { if (states) frames.ask(); }
+
+// What lies over the picture, and the heights along the ruler once it rests.
+function marked(placement) {
+  const {css} = screen, toCss = p => placement.toScreen(...p).map(v => v * css), {ruler} = state;
+  const words = ruler ? length(Math.hypot(ruler[1][0] - ruler[0][0], ruler[1][1] - ruler[0][1])) : '';
+  marks.draw({...state, items: state.notes ? notes.items : []}, toCss, words);
+  pane.draw(state.selected);
+  const rests = ruler && (ruler[0][0] !== ruler[1][0] || ruler[0][1] !== ruler[1][1]);
+  if (!rests) profile.close();
+  else if (hand.drag !== 'ruler' && !state.measuring) profile.show(ruler, curtain.shown);
 }
 
 function controls() {
-  const {azimuth, elevation} = state.light, d = directionOf(state.light);
+  const {elevation} = state.light, azimuth = Math.round(state.light.azimuth + 360) % 360, d = directionOf(state.light);
   at('light').setAttribute('cx', 50 + 46 * d[0]);
   at('light').setAttribute('cy', 50 - 46 * d[1]);
-  at('angles').textContent = `${Math.round((azimuth + 360) % 360)}° · ${Math.round(elevation)}° high`;
-  at('dome').setAttribute('aria-valuetext', `azimuth ${Math.round((azimuth + 360) % 360)}, elevation ${Math.round(elevation)} degrees`);
-  for (const button of at('tools').children) button.setAttribute('aria-pressed', button.dataset.tool === state.tool);
-  for (const key of ['shadows', 'loupe', 'sweeping']) at(key).setAttribute('aria-pressed', state[key]);
-  at('look').value = state.look;
-  at('exposure').value = state.exposure;
-  canvas.style.cursor = {light: 'crosshair', tilt: 'grab', pan: 'move', ruler: 'crosshair'}[state.tool];
-  ruler();
+  at('light').style.fill = state.colour;
+  at('angles').textContent = `${azimuth}° · ${Math.round(elevation)}° high`;
+  at('dome').setAttribute('aria-valuenow', azimuth);
+  at('dome').setAttribute('aria-valuetext', `azimuth ${azimuth}, elevation ${Math.round(elevation)} degrees`);
+  for (const button of document.querySelectorAll('[data-tool]')) button.setAttribute('aria-pressed', button.dataset.tool === state.tool);
+  at('follow').setAttribute('aria-pressed', held.runs);
+  at('level').disabled = !held.runs;
+  for (const key of ['shadows', 'loupe', 'sweeping', 'curtained']) at(key).setAttribute('aria-pressed', state[key === 'curtained' ? 'curtain' : key]);
+  at('noted').setAttribute('aria-expanded', pane.isOpen);
+  at('right').hidden = !state.curtain;
+  for (const key of ['look', 'exposure', 'colour', 'softness', 'left', 'right']) if (document.activeElement !== at(key)) at(key).value = state[key];
+  at('softness').disabled = !state.shadows;
+  canvas.style.cursor = {light: 'crosshair', tilt: 'grab', pan: 'move'}[state.tool] ?? 'crosshair';
+  curtain.draw();
   scaleBar();
 }
 const millimetres = mm => mm >= 1000 ? `${(mm / 1000).toFixed(2)} m` : mm >= 100 ? `${mm.toFixed(0)} mm` : `${mm.toFixed(mm >= 10 ? 1 : 2)} mm`;
-const length = pixels => data.scale_known ? millimetres(pixels * data.mm_per_pixel) : `${pixels.toFixed(pixels < 10 ? 1 : 0)} pixels`;
+const length = pixels => data.scale_known ? millimetres(pixels * data.mm_per_pixel) : `${pixels.toFixed(pixels < 10 ? 1 : 0)} px`;
 
-function ruler() {
-  at('ruler').style.display = state.ruler ? '' : 'none';
-  if (!state.ruler) return;
-  const placement = hand.placement(), css = canvas.clientWidth / screen.width;
-  const [a, b] = state.ruler.map(p => placement.toScreen(...p).map(v => v * css));
-  for (const line of at('ruler').querySelectorAll('line'))
-    for (const [name, value] of [['x1', a[0]], ['y1', a[1]], ['x2', b[0]], ['y2', b[1]]]) line.setAttribute(name, value);
-  at('distance').textContent = length(Math.hypot(state.ruler[1][0] - state.ruler[0][0], state.ruler[1][1] - state.ruler[0][1]));
-  at('distance').setAttribute('x', (a[0] + b[0]) / 2 + 10);
-  at('distance').setAttribute('y', (a[1] + b[1]) / 2 - 10);
-}
 // 1, 2 or 5 times a power of ten, about a tenth of the screen; true where the painting is not tilted.
 function scaleBar() {
-  const unit = data.scale_known ? data.mm_per_pixel : 1, css = canvas.clientWidth / screen.width;
+  const unit = data.scale_known ? data.mm_per_pixel : 1, {css} = screen;
   const most = 140 / (state.view.zoom * css) * unit, power = 10 ** Math.floor(Math.log10(most));
   const shown = [5, 2, 1].find(n => n * power <= most) * power;
   at('bar').style.width = `${shown / unit * state.view.zoom * css}px`;
@@ -156,79 +146,169 @@ function free() {
   return usable.length ? usable : [whole];
 }
 
-function resized() {
-  const ratio = Math.min(devicePixelRatio || 1, 3);
-  const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  const fits = !placed || state.view.zoom === fittedZoom;
-  Object.assign(screen, {width, height});
-  if (fits) fit();
-  placed = true;
-  ask();
-}
-function fit() {
-  state.view = fitted(screen, state.view.turn, free());
-  fittedZoom = state.view.zoom;
-}
-
 function caption() {
   document.title = data.title;
   at('title').textContent = data.title;
   const size = data.scale_known ? [`${millimetres(data.width * data.mm_per_pixel)} × ${millimetres(data.height * data.mm_per_pixel)}`] : [];
   at('size').textContent = [...size, `${data.width} × ${data.height} pixels`].join(' · ');
-  at('credit').textContent = data.credit;
+  at('credit').textContent = [data.creator, data.credit].filter(Boolean).join(' · ');
   const {program, version, photographs} = data.origin;
   at('origin').textContent = [photographs > 0 ? `Shape and gloss were fitted from ${photographs} photographs.` : 'Relief and gloss are shown as its maps say.',
     program ? `Made with ${program}${version ? ` ${version}` : ''}.` : ''].join(' ');
 }
 
+// A tool's button; drawing tools stand in the pane of the annotations.
+function addTool(name) {
+  const button = document.createElement('button'), [text, help] = toolNames[name];
+  Object.assign(button, {textContent: text, title: help, onclick: () => {
+    Object.assign(state, {tool: name, draft: null, cross: null});
+    say(`${text}: ${help}.`);
+    ask();
+  }});
+  button.dataset.tool = name;
+  at(['point', 'line', 'polygon', 'text'].includes(name) ? 'pens' : 'tools').append(button);
+}
+
 function setUp() {
-  for (const [name, text, help] of toolNames) {
-    const button = document.createElement('button');
-    Object.assign(button, {textContent: text, title: help, onclick: () => { state.tool = name; ask(); }});
-    button.dataset.tool = name;
-    at('tools').append(button);
-  }
+  toolWords.forEach(addTool);
   data.looks.forEach(({name}, value) => at('look').append(new Option(name, value)));
-  at('look').onchange = () => { state.look = +at('look').value; ask(); };
-  at('exposure').oninput = () => { state.exposure = +at('exposure').value; ask(); };
+  for (const id of ['left', 'right']) data.states.forEach(({name}, value) => at(id).append(new Option(name, value)));
+  at('states').hidden = !several;
+  at('softness').max = mostSoftness;
+  for (const key of ['look', 'exposure', 'softness', 'left', 'right']) at(key).addEventListener('input', () => { state[key] = +at(key).value; ask(); });
+  at('colour').addEventListener('input', () => { state.colour = at('colour').value; ask(); });
   for (const key of ['shadows', 'loupe', 'sweeping']) at(key).onclick = () => { state[key] = !state[key]; ask(); };
-  at('shadows').hidden = data.horizon[0] === 0;
+  at('curtained').onclick = () => { state.curtain = !state.curtain; ask(); };
+  at('follow').onclick = follow;
+  at('level').onclick = () => { held.setLevel(); };
+  at('shadows').hidden = data.states.every(s => s.horizon[0] === 0);
   for (const [id, key] of [['fit', 'f'], ['one', '1'], ['straight', 'r']]) at(id).onclick = () => { hand.key({key}); ask(); };
   at('full').hidden = !document.fullscreenEnabled;
   at('full').onclick = () => document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
   at('link').onclick = () => {
     location.replace(link());
-    navigator.clipboard?.writeText(location.href).then(() => { at('said').textContent = 'The link to this view has been copied.'; }, () => {});
+    navigator.clipboard?.writeText(location.href).then(() => { say('The link to this view has been copied.'); }, () => {});
   };
-  at('more').onclick = () => at('more').setAttribute('aria-expanded', at('more').getAttribute('aria-expanded') !== 'true');
+  at('snap').onclick = () => picture().then(blob => saveAs(blob, `${data.title}.png`), error => show(error.message));
+  at('noted').onclick = () => { openNotes(!pane.isOpen); };
+  for (const [button, shown] of [['more', 'further'], ['light-look-opens', 'light-look']]) at(button).onclick = () => {
+    const opens = at(button).getAttribute('aria-expanded') !== 'true';
+    at(button).setAttribute('aria-expanded', opens);
+    if (shown === 'light-look') at('light-look').hidden = !opens;
+  };
+  at('profile').querySelector('.close').onclick = () => { state.ruler = null; ask(); };
   window.addEventListener('hashchange', () => { readLink(); ask(); });
+  listen();
+  screen.observe();
+}
+function listen() {
   const aim = event => {
-    const box = at('dome').getBoundingClientRect(), x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
     state.sweeping = false;
-    state.light = lightAt((x - 0.5) / 0.46, (0.5 - y) / 0.46);
+    state.light = aimedOnDome(at('dome'), event);
     ask();
   };
   at('dome').addEventListener('pointerdown', event => { at('dome').setPointerCapture(event.pointerId); aim(event); });
   at('dome').addEventListener('pointermove', event => { if (event.buttons) aim(event); });
   document.addEventListener('keydown', event => {
-    if (event.target.closest('button, select, input, summary') || !hand.key(event)) return;
+    if (event.target.closest('button, select, input, textarea, summary')) return;
+    const arrows = event.target === at('dome') && !event.shiftKey && arrowOf(event);
+    if (arrows) Object.assign(state, {sweeping: false, light: steppedLight(state.light, arrows)});
+    else if (event.key.toLowerCase() === 'n' && !event.ctrlKey && !event.metaKey && !event.altKey) openNotes(!pane.isOpen);
+    else if (!hand.key(event)) return;
     event.preventDefault();
     ask();
   });
   canvas.addEventListener('webglcontextlost', event => event.preventDefault());
   canvas.addEventListener('webglcontextrestored', () => location.reload());
-  new ResizeObserver(resized).observe(canvas);
 }
 
-const hand = new InputController(canvas, state, () => screen, fit, ask);
+// Annotations.
+function openNotes(opens) {
+  pane.open(opens);
+  state.notes = opens || notes.items.length > 0 && state.notes;
+  if (!opens && pen.draws) Object.assign(state, {tool: 'light', draft: null, cross: null});
+  (opens ? at('notes').querySelector('h2') : at('noted')).focus();
+  ask();
+}
+// One of them with its light, view and look; null for none.
+function choose(id) {
+  const item = notes.find(id);
+  state.selected = item ? id : null;
+  if (item) {
+    state.notes = true;
+    const ring = item.shape.rings[0], mean = i => ring.reduce((sum, p) => sum + p[i], 0) / ring.length;
+    if (!followWords(new URLSearchParams(item.view), state, data)) state.view = {...state.view, x: mean(0), y: mean(1)};
+    pane.pane.hidden = false;
+    say(`Annotation: ${item.text || 'without text'}`);
+  }
+  messages?.tell('selected', {annotation: state.selected});
+  ask();
+}
+function drawn(shape) {
+  const id = notes.add(shape, shape.kind === 'text' ? 'Text' : '', wordsOf(state, data).toString());
+  state.notes = true;
+  choose(id);
+  pane.edit(id);
+  ask();
+}
+
+// A PNG of what is shown, once it is there as fine as it can be.
+async function picture() {
+  const waits = performance.now() + 20000;
+  while (!states.complete(curtain.shown, state.shadows) && performance.now() < waits) await new Promise(resolve => setTimeout(resolve, 50));
+  const png = await snapshot(canvas, at('overlay'), () => draw(false, 1), state.curtain ? state.divider * screen.width : null);
+  return withWords(png, {Title: data.title, Author: data.creator, Copyright: data.credit, Description: lightWords(data, state), Source: data.id === data.title ? '' : data.id, Software: data.software});
+}
+
+// What is shown, to pages that listen, where it has changed.
+function tell() {
+  const words = JSON.stringify(toldOf(state, data));
+  if (words !== told && told) messages?.tell('changed', JSON.parse(words));
+  told = words;
+}
+
+// The light follows how the device is held, where it has a sensor.
+const held = new HeldScreen(() => {
+  state.held = held.matrix;
+  ask();
+});
+// Words for who hears the page; and for all to see, for a while.
+function say(text) { at('said').textContent = text; }
+function show(text) {
+  say(text);
+  at('said').className = 'pane';
+  setTimeout(() => { at('said').className = 'unseen'; }, 5000);
+}
+async function follow() {
+  if (held.runs) {
+    held.stop();
+    state.held = undefined;
+  } else {
+    const answer = await held.start();
+    show(tiltRefusals[answer] ?? 'Tilt the device: the light stays in the room.');
+  }
+  ask();
+}
+
+const pen = new MarkPen(data, state, drawn, say), hand = new InputController(data, state, screen, pen, ask);
+const curtain = new Curtain(at('curtain'), data, state, ask), marks = new Marks(at('overlay'), at('badges'), id => { choose(id); });
+const notes = new Notes(data, () => {
+  if (state.selected && !notes.find(state.selected)) state.selected = null;
+  messages?.tell('annotations', {annotations: notes.page()});
+  ask();
+}, show);
+const pane = new NotesPane(at('notes'), notes, {choose, view: () => wordsOf(state, data).toString(), told: show, title: data.title});
+let messages, profile;
 try {
   caption();
-  placed = readLink();
-  // Twice what the screen shows at once, in megabytes: a tile has one.
-  const pixels = canvas.clientWidth * canvas.clientHeight * Math.min(devicePixelRatio || 1, 3) ** 2;
-  drawing = new Drawing(canvas, clamp(Math.round(5 * pixels / tileSide ** 2) + 24, 64, 512), ask,
-    name => { at('said').textContent = `${name} could not be loaded; it is tried again.`; });
+  screen.placed = readLink();
+  if (typeof DecompressionStream === 'undefined') throw new Error('tiles cannot be inflated');
+  const missed = name => { say(`${name} could not be loaded; it is tried again.`); };
+  states = new States(canvas, data, screen.tiles, ask, missed);
+  curtain.shown.forEach(k => states.drawing(k));
+  profile = new ProfilePane(at('profile'), states, show);
   setUp();
+  messages = new Messages(data.origins, handlersOf({state, data, notes, select: choose, ask, snapshot: picture}));
 } catch (error) {
   document.body.classList.add('failed');
   at('failed').hidden = false;

@@ -31,7 +31,7 @@ TEST(CliFit, WritesThePaintingThatItDescribes) {
     EXPECT_DOUBLE_EQ(s.mm_per_pixel, 0.25);
     EXPECT_DOUBLE_EQ(s.photography.white_level, 0.75);
     const nlohmann::json provenance = read_json(s.provenance, "JSON");
-    EXPECT_EQ(provenance["inputs"].size(), 12u);
+    EXPECT_EQ(provenance["inputs"].size(), 13u);  // with the list of lights
     EXPECT_EQ(provenance["options"]["white_level"], 0.75);
     EXPECT_THAT(everything_in(stack.root()), testing::Contains("a.exr"));
     EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
@@ -268,7 +268,8 @@ TEST(CliInfo, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("junk.lp")}), 1, {"junk.lp, line 1"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("picture.lp")}), 1, {"picture.lp: is a picture"}));
     EXPECT_TRUE(ended(tangipaint({"info", stack.out("none")}), 1, {"none: no such file"}));
-    EXPECT_TRUE(ended(tangipaint({"info", stack.path()}), 1, {"is a folder", "name a painting (.exr)"}));
+    EXPECT_TRUE(
+        ended(tangipaint({"info", stack.path()}), 1, {"is a folder", "name a painting (.exr, .tangi)"}));
     EXPECT_TRUE(ended(tangipaint({"info", std::string(300, 'a')}), 1, {"the name is too long"}));
 }
 

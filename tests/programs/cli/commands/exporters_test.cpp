@@ -1,11 +1,12 @@
 // exporters_test.cpp: laws of the table of exporters: the command, the window and the documentation have the
 // same ones, and each writes what its row says.
-#include "cli/relight/exporter.h"
+#include "cli/export/exporter.h"
 
 #include <set>
 
-#include "cli/relight/export_painting.h"
+#include "cli/export/export_painting.h"
 #include "paint/files/canvas_file.h"
+#include "surface/file/version.h"
 #include "tests/docs/docs_pages.h"
 #include "tests/programs/support/cli_program.h"
 
@@ -48,6 +49,13 @@ TEST(Exporters, AreDocumented) {
     }
 }
 
+// Which program a file is of, where others take it; a part of a painting's file is packed.
+bool says_its_program(const fs::path& file) {
+    const std::string name = file.filename().string(), extension = file.extension().string();
+    if (extension == ".ptm" || extension == ".rti" || name == "info.json") return true;
+    return bytes_of(file).find(program_name()) != std::string::npos;
+}
+
 TEST(Exporters, WriteWhatTheirRowsSay) {
     const TinyStack stack;
     const Canvas canvas = read_canvas(stack.truth());
@@ -56,9 +64,13 @@ TEST(Exporters, WriteWhatTheirRowsSay) {
         const fs::path out =
             stack.out(std::string("of-") + exporter.name + exporter.extension + (is_picture ? ".png" : ""));
         const nlohmann::json result = export_canvas(canvas, {}, stack.truth(), exporter.name, out, {});
-        EXPECT_EQ(fs::is_directory(out), !*exporter.extension && !is_picture) << exporter.name;
+        const bool is_folder = !*exporter.extension || exporter.name == std::string("tiles");
+        EXPECT_EQ(fs::is_directory(out), is_folder && !is_picture) << exporter.name;
         ASSERT_FALSE(result.at("files").empty()) << exporter.name;
-        for (const std::string file : result.at("files")) EXPECT_TRUE(fs::is_regular_file(file)) << file;
+        for (const std::string file : result.at("files")) {
+            EXPECT_TRUE(fs::is_regular_file(file)) << file;
+            EXPECT_TRUE(says_its_program(file)) << file;
+        }
     }
 }
 

@@ -55,7 +55,7 @@ TEST(CliPalette, SaysWhatIsWrong) {
     EXPECT_TRUE(ended(tangipaint({"palette", bad}), 1, {bad, "/paints/0/srgb", "'red' is no colour"}));
     EXPECT_TRUE(ended(tangipaint({"palette", (dir / "none.json").string()}), 1, {"none.json"}));
     EXPECT_TRUE(ended(tangipaint({"palette", "--illuminant", "moon"}), 2, {"--illuminant moon", "D65"}));
-    EXPECT_TRUE(ended(tangipaint({"palette", "--out", (dir / "cards.gif").string()}), 1, {"cards.gif"}));
+    EXPECT_TRUE(ended(tangipaint({"palette", "--out", (dir / "cards.gif").string()}), 2, {"cards.gif"}));
     EXPECT_TRUE(
         ended(tangipaint({"palette", bad, "--save", bad}), 1, {"--save", bad, "the palette that is read"}));
     EXPECT_EQ(names_in(dir.path()), std::vector<std::string>{"bad.json"});

@@ -261,14 +261,14 @@ TEST(CliRelight, ASweepIsAFilmOfALampThatMoves) {
 TEST(CliRelight, WhatCannotBeWrittenIsSaidAndNothingIsLeft) {
     const TinyStack stack;
     const auto refused = [&](const std::string& out, const std::vector<std::string>& said,
-                             std::vector<std::string> flags = {}) {
+                             std::vector<std::string> flags = {}, int code = 1) {
         flags.insert(flags.begin(), {"relight", stack.truth(), "--light", "0,0,1", "--out", out});
-        EXPECT_TRUE(ended(tangipaint(flags), 1, said)) << out;
+        EXPECT_TRUE(ended(tangipaint(flags), code, said)) << out;
         EXPECT_EQ(leftovers_in(stack.root()), std::vector<std::string>());
         EXPECT_FALSE(fs::is_regular_file(out));
     };
-    refused(stack.out("a.gif"), {"a.gif", ".png, .tif, .jpg or .exr"});
-    refused(stack.out("a"), {".png, .tif, .jpg or .exr"});
+    refused(stack.out("a.gif"), {"a.gif", ".png, .tif, .jpg or .exr"}, {}, 2);
+    refused(stack.out("a"), {".png, .tif, .jpg or .exr"}, {}, 2);
     refused(stack.out("a.exr"), {"a.exr", "linear light", "--encoding linear"}, {"--encoding", "srgb"});
     refused(stack.out("none/a.png"), {"a.png", "there is no folder"});
     refused(stack.truth() + "/a.png", {"a.png", "there is no folder"});
