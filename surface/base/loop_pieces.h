@@ -7,4 +7,7 @@ namespace tangi {
 // null.
 void set_between_pieces(void (*between)());
 
+// Does that now, for a body that goes over many places of large images for one item.
+void end_piece();
+
 }  // namespace tangi

@@ -29,15 +29,14 @@ std::unique_ptr<global_control>& limit() {
 std::atomic<void (*)()> between_pieces = nullptr;
 
 void do_in_pieces(int begin, int end, int grain, const std::function<void(int, int)>& body) {
-    const auto between = between_pieces.load();
-    if (!between) return body(begin, end);
+    if (!between_pieces.load()) return body(begin, end);
     const int pieces = std::max(1, (end - begin) / grain);
     const auto boundary = [&](int i) {
         return begin + static_cast<int>(static_cast<long>(end - begin) * i / pieces);
     };
     for (int i = 0; i < pieces; ++i) {
         body(boundary(i), boundary(i + 1));
-        between();
+        end_piece();
     }
 }
 
@@ -55,6 +54,10 @@ int thread_count() {
 }
 
 void set_between_pieces(void (*between)()) { between_pieces = between; }
+
+void end_piece() {
+    if (const auto between = between_pieces.load()) between();
+}
 
 void parallel_for(int begin, int end, int grain, const std::function<void(int, int)>& body) {
     if (begin >= end) return;
