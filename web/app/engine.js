@@ -6,6 +6,9 @@ export class EngineError extends Error {}
 // GB a third, so that the system does not close the page; of more, what 32 bits can name, less room for strokes and undo.
 const memoryBytes = Math.min((globalThis.navigator?.deviceMemory ?? 4) * 0.35, 3) * 2 ** 30;
 
+// Addresses come as 32 bits with a sign: beyond 2 GB they would be negative.
+const placeOf = address => address >>> 0;
+
 export class Engine {
   // calls: how many there were; between two of them nothing changes.
   constructor(module) { Object.assign(this, {module, calls: 0}); }
@@ -14,7 +17,7 @@ export class Engine {
 
   // Where a text, or bytes, are in the engine's memory; to be freed.
   copied(value) {
-    const {module} = this, text = typeof value === 'string', size = text ? module.lengthBytesUTF8(value) + 1 : value.length, at = module._malloc(size);
+    const {module} = this, text = typeof value === 'string', size = text ? module.lengthBytesUTF8(value) + 1 : value.length, at = placeOf(module._malloc(size));
     if (!at) throw new EngineError('there is not enough memory for this');
     if (text) module.stringToUTF8(value, at, size);
     else module.HEAPU8.set(value, at);
@@ -30,7 +33,7 @@ export class Engine {
       return taken.at(-1);
     });
     try {
-      const done = module[`_tp_${name}`](...given), text = module.UTF8ToString(module._tp_text());
+      const done = module[`_tp_${name}`](...given), text = module.UTF8ToString(placeOf(module._tp_text()));
       if (!done) throw new EngineError(text);
       return text;
     } finally {
@@ -43,7 +46,7 @@ export class Engine {
   }
   // The bytes of the last answer, in memory of their own.
   bytes() {
-    const {module} = this, at = module._tp_bytes();
+    const {module} = this, at = placeOf(module._tp_bytes());
     return module.HEAPU8.slice(at, at + module._tp_byte_count());
   }
 
@@ -69,7 +72,7 @@ export class Engine {
     const {module} = this;
     module.readFile = file && ((at, to, count) => {
       try {
-        module.HEAPU8.set(file.read(at, count), to >>> 0);
+        module.HEAPU8.set(file.read(at, count), placeOf(to));
         return 1;
       } catch (error) {
         console.warn(error);
