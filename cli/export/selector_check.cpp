@@ -9,8 +9,8 @@
 #include <cmath>
 #include <optional>
 
-#include "surface/base/blanks.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 
