@@ -18,6 +18,7 @@ constexpr int kSmooth = 6;  // [pixels] half the side, less a half, of the squar
 // [rows] That are averaged by one thread, after a radius more; always the same, since sums begin there.
 constexpr int kStrip = 256;
 
+// From `from` into `to`, which do not overlap.
 void running_mean(const float* from, float* to, int count, int radius) {
     double sum = 0;
     int inside = 0;

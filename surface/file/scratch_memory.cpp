@@ -32,7 +32,8 @@ constexpr auto kBetween = std::chrono::milliseconds(1);
 // second, in which as many come in.
 constexpr std::size_t kPiece = std::size_t(64) << 20;
 
-// [bytes] Pages of files that this process has in memory (proc(5), statm). Asked a thousand times a second.
+// [bytes] Pages of files that this process has in memory (proc(5), statm). Asked a thousand times a second,
+// by the process that opens it: what is forked later would be told of its parent.
 std::size_t resident_of_files() {
     static const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     char words[128];
