@@ -81,15 +81,20 @@ struct StereoStart {
     std::vector<double> weights;
     double typical = 0;  // brightness
 };
-StereoStart stereo_start(const std::vector<GreySample>& samples, double shadow) {
+StereoStart stereo_start(const std::vector<GreySample>& samples, const PhotometricStereoOptions& options) {
     std::vector<double> brightness;
     for (const GreySample& sample : samples)
         brightness.push_back(sample.value / std::max(sample.light.z + sample.ambient, 1e-3));
     std::vector<double> sorted = brightness;
     std::sort(sorted.begin(), sorted.end());
-    const double high = sorted[sorted.size() - 1 - sorted.size() / 5],
-                 low = std::max(sorted[sorted.size() / 5], shadow * high);
-    StereoStart start{std::vector<double>(samples.size()), sorted[sorted.size() / 2]};
+    const auto brighter = static_cast<std::size_t>(options.highlights * static_cast<double>(sorted.size()));
+    const double high = sorted[sorted.size() - 1 - brighter],
+                 low = std::max(sorted[sorted.size() / 5], options.shadow * high);
+    StereoStart start{std::vector<double>(samples.size())};
+    // The median of what is lit: where most photographs are dark, theirs tells nothing.
+    const auto lit = std::lower_bound(sorted.begin(), sorted.end(), low),
+               last = std::upper_bound(lit, sorted.end(), high);
+    if (lit != last) start.typical = *(lit + (last - lit) / 2);
     for (std::size_t i = 0; i < samples.size(); ++i)
         start.weights[i] = brightness[i] >= low && brightness[i] <= high ? 1.0 : 0.01;
     return start;
@@ -131,7 +136,7 @@ LambertEstimate photometric_stereo(const PixelSamples& s, const PhotometricStere
     LambertEstimate result;
     const std::vector<GreySample> samples = grey_samples(s);
     if (samples.size() < 3) return result;
-    auto [weights, typical] = stereo_start(samples, options.shadow);
+    auto [weights, typical] = stereo_start(samples, options);
     if (!(typical > 1e-5)) return result;
 
     glm::dvec3 normal(0, 0, 1);

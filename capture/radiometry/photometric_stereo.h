@@ -15,6 +15,7 @@ struct PhotometricStereoOptions {
     // relief is high and lights are low, more than a fifth of the samples are; of four photographs, which
     // hardly tell a shadow from a dark side, it leaves too little to say how they were stored.
     double shadow = 0;
+    double highlights = 0.2;  // [1] part of the samples that may be brighter than bright
 
     static constexpr std::string_view name = "photometric_stereo";
     template <class Self, class Visit>
@@ -24,6 +25,8 @@ struct PhotometricStereoOptions {
               self.outlier_scale);
         visit(FieldInfo{"shadow", 0, 1, "1", "of a pixel's bright samples, below which it starts as shadow"},
               self.shadow);
+        visit(FieldInfo{"highlights", 0, 0.5, "1", "part of a pixel's samples that start as highlights"},
+              self.highlights);
     }
 };
 

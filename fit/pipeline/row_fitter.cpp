@@ -17,14 +17,24 @@ static_assert(kWardLanes == kMarchLanes);
 // half, many enough that registers are full nearly all the time.
 constexpr int kPixelsAtOnce = 8192;
 constexpr double kSampleSize = 512;
+// A crevice that few lights reach: what the brightest photographs show, and what is not much darker.
+constexpr PhotometricStereoOptions kLitStereo = {.shadow = kWardStereo.shadow, .highlights = 0.05};
 
 bool is_occluded(int x, int y, const PixelKnowledge& known) { return known.occluded && known.occluded(x, y); }
 
-// Of a occluded pixel, under lights of the colour of its lobe.
-WardStart start_in_shade(int x, int y, const Surface& surface, const PixelKnowledge& known,
-                         const WardPrior& prior) {
-    const Rgb colour = known.specular_colour ? known.specular_colour(x, y) : Rgb(1);
-    return {.slope = prior.slope, .diffuse = glm::dvec3(surface.diffuse(x, y) / colour)};
+// Of a pixel that relief hides from some of the lights, under lights of the colour of its lobe: as those that
+// reach it show it, or as what is around it.
+enum class Shade { lit, around };
+std::optional<WardStart> start_in_shade(Shade shade, int x, int y, const Surface& surface,
+                                        const PixelKnowledge& known, const PixelSamples& samples) {
+    if (shade == Shade::around) {
+        if (!known.prior) return {};
+        const Rgb colour = known.specular_colour ? known.specular_colour(x, y) : Rgb(1);
+        return WardStart{.slope = known.prior(x, y).slope,
+                         .diffuse = glm::dvec3(surface.diffuse(x, y) / colour)};
+    }
+    const LambertEstimate lit = photometric_stereo(samples, kLitStereo);
+    return lit.valid ? std::optional(start_of(lit)) : std::nullopt;
 }
 
 }  // namespace
@@ -89,15 +99,21 @@ WardPrior RowFitter::prior_at(int x, int y, const PixelKnowledge& known) const {
 WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
                                  const PixelKnowledge& known) {
     PixelSamples& samples = white_samples_at(band, x, y, surface, known);
-    const WardEstimate as_it_is = ceres_.fit(samples, prior_at(x, y, known));
-    if (!is_occluded(x, y, known)) return as_it_is;
-    const WardPrior prior = known.prior(x, y);
-    const WardStart start = start_in_shade(x, y, surface, known, prior);
-    const double unexplained = hide_dark(start, samples);
-    const WardEstimate in_shade = ceres_.fit(samples, prior, &start);
-    const bool cheaper = in_shade.valid && in_shade.converged &&
-                         (!as_it_is.valid || in_shade.cost + unexplained < as_it_is.cost);
-    return cheaper ? in_shade : as_it_is;
+    WardEstimate best = ceres_.fit(samples, prior_at(x, y, known));
+    const bool in_doubt = !best.valid || best.rms_residual > kPoorFit || is_occluded(x, y, known);
+    const WardPrior prior = known.prior ? known.prior(x, y) : prior_;
+    for (const Shade shade : {Shade::lit, Shade::around}) {
+        if (!in_doubt) break;
+        white_samples_at(band, x, y, surface, known);
+        const auto start = start_in_shade(shade, x, y, surface, known, samples);
+        if (!start) continue;
+        const double unexplained = hide_dark(*start, samples);
+        WardEstimate in_shade = ceres_.fit(samples, prior, &*start);
+        in_shade.cost += unexplained;
+        if (in_shade.valid && in_shade.converged && (!best.valid || in_shade.cost < best.cost))
+            best = in_shade;
+    }
+    return best;
 }
 
 // What the relief leaves of the lights on the lanes of the batch. Most lights are above any horizon, which is
@@ -215,27 +231,35 @@ void RowFitter::fit_by_highlight(const Band& band, int first, const Surface& sur
     }
 }
 
-// Crevices as part of what is around them, where that explains more.
-void RowFitter::fit_in_shade(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
+// Those that explain little, or are much darker than what is around them: as crevices, whose dark photographs
+// are hidden, where that explains more.
+void RowFitter::fit_in_shade(const Band& band, int first, const RowTask& task,
                              std::vector<WardSolution>& solutions) {
+    const Surface& surface = task.surface;
+    const PixelKnowledge& known = task.known;
+    constexpr auto poor = static_cast<float>(kPoorFit * kPoorFit);
     const int width = band.width();
-    std::vector<double> unexplained;
-    const auto names = fit_again(band, solutions.size(), [&](int name) -> std::optional<Offer> {
-        const int x = name % width, y = first + name / width;
-        if (!is_occluded(x, y, known)) return {};
-        PixelSamples& samples = white_samples_at(band, x, y, surface, known);
-        const WardPrior prior = known.prior(x, y);
-        const WardStart start = start_in_shade(x, y, surface, known, prior);
-        unexplained.push_back(hide_dark(start, samples));
-        return Offer{&samples, prior, start};
-    });
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        const auto name = static_cast<std::size_t>(names[i]);
-        const WardSolution& other = again_.solutions()[name];
-        WardSolution& solution = solutions[name];
-        const double cost = static_cast<double>(other.cost) + unexplained[i];
-        if (other.valid && !other.doubtful && (!solution.valid || cost < static_cast<double>(solution.cost)))
-            solution = other;
+    const std::vector<WardSolution> as_they_are = solutions;
+    for (const Shade shade : {Shade::lit, Shade::around}) {
+        std::vector<float> unexplained;
+        const auto names = fit_again(band, solutions.size(), [&](int name) -> std::optional<Offer> {
+            const int x = name % width, y = first + name / width;
+            const WardSolution& solution = as_they_are[static_cast<std::size_t>(name)];
+            if (!task.mask.empty() && !task.mask(x, y)) return {};
+            if (solution.valid && !(solution.chi2 > poor) && !is_occluded(x, y, known)) return {};
+            PixelSamples& samples = white_samples_at(band, x, y, surface, known);
+            const auto start = start_in_shade(shade, x, y, surface, known, samples);
+            if (!start) return {};
+            unexplained.push_back(static_cast<float>(hide_dark(*start, samples)));
+            return Offer{&samples, known.prior ? known.prior(x, y) : prior_, *start};
+        });
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            WardSolution other = again_.solutions()[static_cast<std::size_t>(names[i])];
+            WardSolution& solution = solutions[static_cast<std::size_t>(names[i])];
+            other.cost += unexplained[i];
+            if (other.valid && !other.doubtful && (!solution.valid || other.cost < solution.cost))
+                solution = other;
+        }
     }
 }
 
@@ -295,7 +319,7 @@ void RowFitter::fit_in_batches(const Band& band, int y0, int y1, const RowTask& 
         batches_.finish();
         std::vector<WardSolution> solutions(batches_.solutions());
         if (highlights_) fit_by_highlight(band, first, surface, known, solutions);
-        if (known.occluded) fit_in_shade(band, first, surface, known, solutions);
+        fit_in_shade(band, first, task, solutions);
         hand_out(band, first, last, task, solutions, done);
         for (int y = first; y < last; ++y) look_at_row(band, y, surface, known);
     }

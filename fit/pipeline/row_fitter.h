@@ -105,8 +105,7 @@ private:
                                const std::function<std::optional<Offer>(int name)>& offer);
     void fit_by_highlight(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
                           std::vector<WardSolution>& solutions);
-    void fit_in_shade(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
-                      std::vector<WardSolution>& solutions);
+    void fit_in_shade(const Band& band, int first, const RowTask& task, std::vector<WardSolution>& solutions);
 
     Solver solver_;
     const Lighting& lighting_;

@@ -201,6 +201,11 @@ double quantile(std::vector<double>& values, double part) {
 
 }  // namespace
 
+WardStart start_of(const LambertEstimate& matt) {
+    return {.slope = {-matt.normal.x / matt.normal.z, -matt.normal.y / matt.normal.z},
+            .diffuse = matt.diffuse};
+}
+
 std::optional<WardStart> highlight_start(const PixelSamples& s, const WardBounds& bounds) {
     constexpr double kLit = 0.2,
                      kDarker = 0.3;  // [1] least n.l, and the part of photographs, of the matt part
@@ -258,9 +263,7 @@ WardEstimate WardFitter::fit(const PixelSamples& given, const WardPrior& prior, 
     add_model_error(start, options_.model_error, w.samples);
     const WardResiduals residuals(w.samples, prior, options_.robust_scale, options_.reflectance_model);
     const PixelProblem problem{w.samples, prior, residuals, options_};
-    const WardStart by_stereo{.slope = {-start.normal.x / start.normal.z, -start.normal.y / start.normal.z},
-                              .diffuse = start.diffuse};
-    SolvedWard solved = solve_from(known ? *known : by_stereo, problem, w.solver);
+    SolvedWard solved = solve_from(known ? *known : start_of(start), problem, w.solver);
     if (options_.by_highlight && !known && solved.cost > kPoorFit * kPoorFit * problem.free_samples())
         if (const auto highlight = highlight_start(given, options_.bounds)) {
             const SolvedWard other = solve_from(*highlight, problem, w.solver);

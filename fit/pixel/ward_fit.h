@@ -69,6 +69,7 @@ struct WardStart {
     glm::dvec2 slope{0};
     glm::dvec3 diffuse{0};
 };
+WardStart start_of(const LambertEstimate& matt);
 // Nothing where no photograph stands out, or the slope would be beyond `bounds`.
 std::optional<WardStart> highlight_start(const PixelSamples& samples, const WardBounds& bounds);
 

@@ -58,6 +58,35 @@ TP_LONG TEST(Crevices, AreNoBlackMirrors) {
     }
 }
 
+// A trench from whose floor a third of the lights are seen, wider than what neighbours tell of: its floor is
+// the paint that the lit photographs show, not a black mirror.
+TEST(Crevices, ShowWhatLitPhotographsShow) {
+    PaintingTruth truth(60, 20, 0.2);
+    const auto is_floor = [](int x) { return x >= 22 && x < 38; };
+    for (int y = 0; y < truth.height(); ++y)
+        for (int x = 0; x < truth.width(); ++x) {
+            truth.diffuse(x, y) = Rgb(0.6f, 0.5f, 0.4f);
+            truth.specular(x, y) = 0.04f;
+            truth.roughness(x, y) = 0.25f;
+            if (is_floor(x)) truth.height_mm(x, y) = -4;
+        }
+    for (const Solver solver : {Solver::batch, Solver::ceres}) {
+        const TestDir folder;
+        FitOptions options;
+        options.solver = solver;
+        const FitResult fit =
+            fitted(folder, truth, {.lights = 42, .reflectance = Reflectance::ward_bounded}, options);
+        int right = 0, all = 0;
+        for (int y = 2; y < truth.height() - 2; ++y)
+            for (int x = 24; x < 36; ++x, ++all)
+                right += std::abs(brightness(fit.surface.diffuse(x, y)) - 0.5f) < 0.05f &&
+                         fit.surface.normal(x, y).z > 0.995f;
+        std::cout << fmt::format("{}: {:.3f} right\n", solver == Solver::batch ? "batches" : "Ceres",
+                                 static_cast<double>(right) / all);
+        EXPECT_GT(right, 0.9 * all);
+    }
+}
+
 // Lines two pixels wide on flat paint: burnished gold, and glossy black.
 TP_LONG TEST(Crevices, LinesOfGoldAndOfBlackStayWhatTheyAre) {
     PaintingTruth truth(72, 60, 0.2);
