@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "capture/formats/lights_text.h"
-#include "surface/base/blanks.h"
 #include "surface/base/error.h"
+#include "surface/base/words.h"
 #include "surface/file/atomic_file.h"
 
 namespace tangi {

@@ -10,8 +10,8 @@
 
 #include "capture/photo/photo_file.h"
 #include "capture/photo/photo_names.h"
-#include "surface/base/blanks.h"
 #include "surface/base/error.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

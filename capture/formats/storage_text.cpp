@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "surface/base/blanks.h"
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

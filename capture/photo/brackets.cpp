@@ -7,10 +7,10 @@
 #include "capture/photo/photo_folder.h"
 #include "capture/photo/photo_metadata.h"
 #include "capture/photo/photo_names.h"
-#include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 #include "surface/file/atomic_file.h"
 
 namespace tangi {

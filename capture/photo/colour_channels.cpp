@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "surface/base/case_insensitive.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

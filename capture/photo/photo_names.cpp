@@ -7,7 +7,7 @@
 
 #include "capture/photo/photo_format.h"
 #include "capture/photo/raw_file.h"
-#include "surface/base/case_insensitive.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

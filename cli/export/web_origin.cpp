@@ -10,8 +10,7 @@
 #include <string_view>
 
 #include "cli/command.h"
-#include "surface/base/blanks.h"
-#include "surface/base/case_insensitive.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

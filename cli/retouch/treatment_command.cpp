@@ -14,8 +14,8 @@
 #include "retouch/treatment/treatment_area.h"
 #include "retouch/treatment/treatment_picture.h"
 #include "retouch/treatment/treatment_strokes.h"
-#include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
+#include "surface/base/words.h"
 #include "surface/file/atomic_file.h"
 #include "surface/image_file/image_io.h"
 

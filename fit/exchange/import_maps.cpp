@@ -5,10 +5,10 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
 #include "surface/base/median.h"
 #include "surface/base/parallel.h"
+#include "surface/base/words.h"
 #include "surface/file/visible_files.h"
 #include "surface/image/memory_budget.h"
 #include "surface/image_file/image_io.h"

@@ -12,13 +12,14 @@ namespace tangi {
 
 namespace {
 
-constexpr int kDraws = 4;     // fields of errors
-constexpr int kCycles = 2;    // of multigrid: what they leave are waves longer than the window
-constexpr int kSmooth = 6;    // [pixels] half the side, less a half, of the squares that are averaged
-constexpr int kColumns = 64;  // that are averaged side by side
+constexpr int kDraws = 4;   // fields of errors
+constexpr int kCycles = 2;  // of multigrid: what they leave are waves longer than the window
+constexpr int kSmooth = 6;  // [pixels] half the side, less a half, of the squares that are averaged
+// [rows] That are averaged by one thread, after a radius more; always the same, since sums begin there.
+constexpr int kStrip = 256;
 
-// Running mean over `count` numbers, `stride` apart, from `from` into `to`.
-void running_mean(const float* from, float* to, int count, std::ptrdiff_t stride, int radius) {
+// From `from` into `to`, which do not overlap.
+void running_mean(const float* from, float* to, int count, int radius) {
     double sum = 0;
     int inside = 0;
     for (int i = 0; i < std::min(radius, count); ++i, ++inside) sum += from[i];
@@ -31,45 +32,55 @@ void running_mean(const float* from, float* to, int count, std::ptrdiff_t stride
             sum -= from[i - radius - 1];
             --inside;
         }
-        to[i * stride] = static_cast<float>(sum / inside);
+        to[i] = static_cast<float>(sum / inside);
     }
 }
 
-// squares += (z - mean)^2 / kDraws
-void add_squares(const Image<float>& z, const Image<float>& mean, Image<HalfError>& squares) {
-    parallel_for(0, z.height(), 32, [&](int begin, int end) {
+// Row by row, so that of large images few rows are in memory.
+void mean_of_strip(const Image<float>& from, int radius, int begin, int end, Image<float>& to) {
+    const int width = from.width(), height = from.height();
+    const std::size_t held = 2 * static_cast<std::size_t>(radius) + 2;  // rows, as means along x
+    std::vector<float> rows(held * static_cast<std::size_t>(width));
+    const auto row = [&](int y) {
+        return &rows[static_cast<std::size_t>(y) % held * static_cast<std::size_t>(width)];
+    };
+    std::vector<double> sums(static_cast<std::size_t>(width));
+    const int first = std::max(begin - radius, 0);
+    int inside = 0;
+    const auto add = [&](int y) {
+        float* const mean = row(y);
+        running_mean(from.row(y).data(), mean, width, radius);
+        for (int x = 0; x < width; ++x) sums[static_cast<std::size_t>(x)] += static_cast<double>(mean[x]);
+        ++inside;
+    };
+    for (int y = first; y < std::min(begin + radius, height); ++y) add(y);
+    for (int y = begin; y < end; ++y) {
+        if (y + radius < height) add(y + radius);
+        if (const int gone = y - radius - 1; gone >= first) {
+            const float* const mean = row(gone);
+            for (int x = 0; x < width; ++x) sums[static_cast<std::size_t>(x)] -= static_cast<double>(mean[x]);
+            --inside;
+        }
+        for (int x = 0; x < width; ++x)
+            to(x, y) = static_cast<float>(sums[static_cast<std::size_t>(x)] / inside);
+    }
+}
+
+template <class Change>  // of a pixel's place
+void for_pixels(const Image<float>& image, const Change& change) {
+    parallel_for(0, image.height(), 32, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
-            for (int x = 0; x < z.width(); ++x) {
-                const float off = z(x, y) - mean(x, y);
-                squares(x, y) = squares(x, y) + off * off / kDraws;
-            }
+            for (int x = 0; x < image.width(); ++x) change(x, y);
     });
 }
 
 }  // namespace
 
-void box_mean(Image<float>& image, int radius) {
-    const int width = image.width(), height = image.height();
-    parallel_for(0, height, 16, [&](int begin, int end) {
-        std::vector<float> row(static_cast<std::size_t>(width));
-        for (int y = begin; y < end; ++y) {
-            const auto pixels = image.row(y);
-            std::copy(pixels.begin(), pixels.end(), row.begin());
-            running_mean(row.data(), pixels.data(), width, 1, radius);
-        }
-    });
-    parallel_for(0, (width + kColumns - 1) / kColumns, 1, [&](int begin, int end) {
-        std::vector<float> columns(static_cast<std::size_t>(kColumns) * static_cast<std::size_t>(height));
-        for (int block = begin; block < end; ++block) {
-            const int x0 = block * kColumns, x1 = std::min(x0 + kColumns, width);
-            for (int y = 0; y < height; ++y)
-                for (int x = x0; x < x1; ++x)
-                    columns[static_cast<std::size_t>(x - x0) * static_cast<std::size_t>(height) +
-                            static_cast<std::size_t>(y)] = image(x, y);
-            for (int x = x0; x < x1; ++x)
-                running_mean(&columns[static_cast<std::size_t>(x - x0) * static_cast<std::size_t>(height)],
-                             &image(x, 0), height, width, radius);
-        }
+void box_mean(const Image<float>& from, int radius, Image<float>& to) {
+    TP_REQUIRE(from.width() == to.width() && from.height() == to.height(), "one size");
+    parallel_for(0, (from.height() + kStrip - 1) / kStrip, 1, [&](int begin, int end) {
+        for (int strip = begin; strip < end; ++strip)
+            mean_of_strip(from, radius, strip * kStrip, std::min((strip + 1) * kStrip, from.height()), to);
     });
 }
 
@@ -83,42 +94,42 @@ Image<HalfError> height_errors(const SlopeEdges& edges, const Image<float>& heig
     for (int draw = 0; draw < kDraws; ++draw) {
         report(progress, "height error", draw / static_cast<double>(kDraws));
         edges.divergence_of_errors(draw, height_mm, grid.b());
-        std::fill(z.pixels().begin(), z.pixels().end(), 0.0f);
+        for_pixels(z, [&](int x, int y) { z(x, y) = 0; });
         for (int cycle = 0; cycle < kCycles; ++cycle) grid.cycle();
         Image<float>& mean = grid.b();
-        std::copy(z.pixels().begin(), z.pixels().end(), mean.pixels().begin());
-        box_mean(mean, kHeightErrorWindow / 2);
-        add_squares(z, mean, squares);
+        box_mean(z, kHeightErrorWindow / 2, mean);
+        for_pixels(z, [&](int x, int y) {
+            const float off = z(x, y) - mean(x, y);
+            squares(x, y) = squares(x, y) + off * off / kDraws;
+        });
     }
-    parallel_for(0, height, 16, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < width; ++x) {
-                const float offset = edges.offset_mm(x, y);
-                z(x, y) = squares(x, y) + offset * offset;
-            }
+    for_pixels(z, [&](int x, int y) {
+        const float offset = edges.offset_mm(x, y);
+        z(x, y) = squares(x, y) + offset * offset;
     });
-    box_mean(z, kSmooth);
-    for (std::size_t i = 0; i < z.size(); ++i)
-        squares.pixels()[i] = edges.confidence().pixels()[i] > 0 ? std::sqrt(z.pixels()[i]) : 0.0f;
+    Image<float>& mean = grid.b();
+    box_mean(z, kSmooth, mean);
+    for_pixels(z, [&](int x, int y) {
+        squares(x, y) = edges.confidence()(x, y) > 0 ? std::sqrt(mean(x, y)) : 0.0f;
+    });
     report(progress, "height error", 1);
     return squares;
 }
 
 void add_disagreement(const Image<float>& height_mm, Image<float>& other, Image<HalfError>& errors) {
     TP_REQUIRE(height_mm.region() == other.region() && errors.region() == other.region(), "one size");
+    for_pixels(other, [&](int x, int y) { other(x, y) -= height_mm(x, y); });
     Image<float> mean(other.width(), other.height());
-    for (std::size_t i = 0; i < other.size(); ++i)
-        mean.pixels()[i] = other.pixels()[i] -= height_mm.pixels()[i];
-    box_mean(mean, kHeightErrorWindow / 2);
-    for (std::size_t i = 0; i < other.size(); ++i) {
-        const float off = other.pixels()[i] - mean.pixels()[i];
-        other.pixels()[i] = off * off;
-    }
-    box_mean(other, kSmooth);
-    for (std::size_t i = 0; i < other.size(); ++i) {
-        HalfError& error = errors.pixels()[i];
-        if (error > 0) error = std::sqrt(error * error + other.pixels()[i]);
-    }
+    box_mean(other, kHeightErrorWindow / 2, mean);
+    for_pixels(other, [&](int x, int y) {
+        const float off = other(x, y) - mean(x, y);
+        other(x, y) = off * off;
+    });
+    box_mean(other, kSmooth, mean);
+    for_pixels(other, [&](int x, int y) {
+        HalfError& error = errors(x, y);
+        if (error > 0) error = std::sqrt(error * error + mean(x, y));
+    });
 }
 
 }  // namespace tangi

@@ -26,7 +26,7 @@ Image<HalfError> height_errors(const SlopeEdges& edges, const Image<float>& heig
 // the mean square over the 13 x 13 pixels around. Errors of 0 stay 0. `other` is overwritten.
 void add_disagreement(const Image<float>& height_mm, Image<float>& other, Image<HalfError>& errors);
 
-// The mean over (2 radius + 1)^2 pixels in the place of each, of fewer at the borders.
-void box_mean(Image<float>& image, int radius);
+// The mean over (2 radius + 1)^2 pixels around each, of fewer at the borders. `to` has the size of `from`.
+void box_mean(const Image<float>& from, int radius, Image<float>& to);
 
 }  // namespace tangi

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "fit/height/height.h"
+#include "surface/base/loop_pieces.h"
 #include "surface/base/parallel.h"
 #include "surface/base/symmetric_matrix.h"
 #include "surface/render/cast_shadows.h"
@@ -45,6 +46,7 @@ std::vector<Lit> lit_by(const Surface& s, const LitSurvey& samples, std::size_t 
     const auto channels = static_cast<std::size_t>(survey.channels), green = channels / 2;
     const double dark = kDarkAsNoise * white_level;
     for (int k = 0; k < survey.sample_count(); ++k) {
+        end_piece();
         const glm::ivec2 at = survey.positions[static_cast<std::size_t>(k)];
         const float stored = survey.sample(k)[photo * channels + green];
         if (!(s.confidence(at.x, at.y) > 0) || !std::isfinite(stored)) continue;
@@ -118,6 +120,7 @@ std::vector<Contrast> contrasts(const Image<float>& height_mm, double mm_per_pix
             double hidden = 0, seen = 0;
             int in_shadow = 0, in_light = 0;
             for (const Lit& sample : lit[i]) {
+                end_piece();
                 const float part = shadows.visible_part(sample.x, sample.y, direction);
                 if (part < kHidden) hidden += sample.log_ratio, ++in_shadow;
                 if (part > kSeen) seen += sample.log_ratio, ++in_light;
@@ -207,6 +210,7 @@ double shadow_misfit(const Surface& surface, const LitSurvey& samples, double li
     parallel_for(0, static_cast<int>(photos), 1, [&](int begin, int end) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             for (const Lit& sample : lit_by(surface, samples, i)) {
+                end_piece();
                 // Gloss is brighter than any light that is seen whole.
                 const double shown = std::min(sample.measured, sample.predicted);
                 const auto visible =

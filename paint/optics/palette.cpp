@@ -10,10 +10,10 @@
 
 #include "paint/optics/artist_acrylics_json.h"
 #include "paint/optics/kubelka_munk.h"
-#include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 #include "surface/file/atomic_file.h"
 
 namespace tangi {

@@ -5,11 +5,14 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
 #include <memory>
 #include <new>
 #include <stdexcept>
 
 #include "surface/base/error.h"
+#include "surface/base/loop_pieces.h"
 #include "surface/base/memory_error.h"
 
 namespace tangi {
@@ -21,6 +24,20 @@ using oneapi::tbb::global_control;
 std::unique_ptr<global_control>& limit() {
     static std::unique_ptr<global_control> control;
     return control;
+}
+
+std::atomic<void (*)()> between_pieces = nullptr;
+
+void do_in_pieces(int begin, int end, int grain, const std::function<void(int, int)>& body) {
+    if (!between_pieces.load()) return body(begin, end);
+    const int pieces = std::max(1, (end - begin) / grain);
+    const auto boundary = [&](int i) {
+        return begin + static_cast<int>(static_cast<long>(end - begin) * i / pieces);
+    };
+    for (int i = 0; i < pieces; ++i) {
+        body(boundary(i), boundary(i + 1));
+        end_piece();
+    }
 }
 
 }  // namespace
@@ -36,6 +53,12 @@ int thread_count() {
     return static_cast<int>(global_control::active_value(global_control::max_allowed_parallelism));
 }
 
+void set_between_pieces(void (*between)()) { between_pieces = between; }
+
+void end_piece() {
+    if (const auto between = between_pieces.load()) between();
+}
+
 void parallel_for(int begin, int end, int grain, const std::function<void(int, int)>& body) {
     if (begin >= end) return;
     // A loop within another one's body is done as a whole, though an exception ends the other meanwhile: what
@@ -44,7 +67,7 @@ void parallel_for(int begin, int end, int grain, const std::function<void(int, i
     try {
         oneapi::tbb::parallel_for(
             oneapi::tbb::blocked_range<int>(begin, end, static_cast<std::size_t>(grain)),
-            [&](const auto& range) { body(range.begin(), range.end()); }, context);
+            [&](const auto& range) { do_in_pieces(range.begin(), range.end(), grain, body); }, context);
     } catch (const std::runtime_error& error) {  // of TBB, where there is no memory for a thread
         if (!dynamic_cast<const Error*>(&error) && says_no_memory(error)) throw std::bad_alloc();
         throw;

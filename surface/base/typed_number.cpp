@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "surface/base/blanks.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

@@ -10,9 +10,9 @@ namespace tangi {
 std::string folder_for_scratch_memory();
 
 // [bytes] So many pages of files the process has in memory at a time, some more for a moment: beyond that,
-// all that are of scratch memory are taken out of it, at any time and beside any use. They come back from
-// their file as they are touched; where the system has the room it still keeps them. Without a limit at
-// first.
+// those of scratch memory are taken out of it, piece by piece until there are no more, at any time and beside
+// any use. They come back from their file as they are touched; where the system has the room it still keeps
+// them. Without a limit at first.
 void limit_scratch_pages(std::size_t bytes);
 
 class ScratchMemory {

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "surface/base/case_insensitive.h"
+#include "surface/base/words.h"
 
 namespace tangi {
 

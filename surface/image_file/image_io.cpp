@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
-#include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
 #include "surface/base/parallel.h"
+#include "surface/base/words.h"
 #include "surface/image/memory_budget.h"
 #include "surface/image_file/image_alpha.h"
 #include "surface/image_file/picture_rows.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "surface/base/case_insensitive.h"
+#include "surface/base/words.h"
 #include "surface/file/deflated.h"
 #include "surface/image_file/exif_block.h"
 #include "surface/image_file/icc_profile.h"

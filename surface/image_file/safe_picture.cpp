@@ -6,9 +6,9 @@
 #include <cstring>
 #include <utility>
 
-#include "surface/base/case_insensitive.h"
 #include "surface/base/error.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 #include "surface/file/anonymous_temp_file.h"
 #include "surface/file/file_bytes.h"
 #include "surface/image_file/exr_header_check.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "surface/base/blanks.h"
+#include "surface/base/words.h"
 #include "surface/base/error.h"
 #include "surface/base/html_escape.h"
 #include "surface/base/json_text.h"

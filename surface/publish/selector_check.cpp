@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "surface/base/blanks.h"
+#include "surface/base/words.h"
 #include "surface/base/json_text.h"
 #include "surface/publish/svg_elements.h"
 

@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr int kVideoWidth = 640, kVideoHeight = 480;
 constexpr double kFieldOfView = 66;  // [degrees], of web/app/camera.js
 
-// A grey room with a lamp around a place of the picture, 0..1 from its upper left (YUV4MPEG2, 4:2:0, without
+// A grey room with a light around a place of the picture, 0..1 from its upper left (YUV4MPEG2, 4:2:0, without
 // colours).
 void write_video(const std::filesystem::path& path, glm::dvec2 lamp) {
     std::ofstream file(path, std::ios::binary);

@@ -61,6 +61,21 @@ TEST_F(JournalsInBothEngines, DrawnAtRandomPaintTheSameBits) {
                         random_journal(seed, 80), static_cast<int>(seed) - 1);
 }
 
+// Addresses of large paintings are beyond those that numbers of 32 bits with a sign can name.
+TEST_F(JournalsInBothEngines, PaintTheSameBeyondTwoGigabytes) {
+    TP_NEEDS_WEB_APP();
+    const nlohmann::json choice = {
+        {"substrate", "canvas"}, {"width_mm", 120}, {"height_mm", 90}, {"pixel_mm", 0.3}};
+    write_text_file(scratch_ / "choice.json", choice.dump());
+    const auto replayed = [&](double memory_bytes) {
+        nlohmann::json web =
+            replayed_in_node(scratch_ / "choice.json", random_journal(8, 20), 5, memory_bytes);
+        EXPECT_GE(web["memory"].get<double>(), memory_bytes);
+        return std::tuple(web["canvas"], web["look"], web["texels"]);
+    };
+    EXPECT_EQ(replayed(2.2e9), replayed(0));
+}
+
 // Every support is made of noise, waves and exponentials.
 TEST_F(JournalsInBothEngines, AreOfTheSameSupports) {
     for (const std::string& name : substrate_names())

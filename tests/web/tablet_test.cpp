@@ -51,11 +51,17 @@ TEST_F(WebApplication, PaintsOnAFittedPainting) {
     write_painting(file, *ground);
     ASSERT_TRUE(tablet_->open());
     tablet_->await(
+        "window.told = [], new MutationObserver(() => told.push([document.getElementById('busy-words')."
+        "textContent, document.getElementById('busy-part').value])).observe(document.getElementById('busy-"
+        "part'), {attributes: true}), 1");
+    tablet_->await(
         "fetch('data:application/octet-stream;base64," + base64(read_text_file(scratch_ / "fitted.exr")) +
         "').then(r => r.blob()).then(b => tangipaint.create({title: 'Fitted', choice: {painting: true, name: "
         "'fitted.exr'}, picture: b}))");
     ASSERT_TRUE(tablet_->is_drawn()) << tablet_->browser().errors;
     EXPECT_EQ(tablet_->hashes()["look"], hash_of(*ground));
+    EXPECT_EQ(tablet_->await("told.some(([words, part]) => words.startsWith('Reading') && part > 0)"), true)
+        << "how far it is read is shown";
     tablet_->pen(straight({300, 250}, {500, 320}), 0.6);
     ASSERT_TRUE(tablet_->is_settled());
     write_text_file(scratch_ / "retouch.jsonl", tablet_->journal());

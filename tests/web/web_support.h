@@ -38,11 +38,12 @@ inline std::string output_of(const std::string& command) {
 
 // A journal painted by the web engine (tests/web/replay.mjs).
 inline nlohmann::json replayed_in_node(const std::filesystem::path& choice,
-                                       const std::filesystem::path& journal, int lines_at_once) {
-    return read_json(
-        output_of(fmt::format("node '{}/tests/web/replay.mjs' '{}' '{}' '{}' {}", TP_SOURCE_DIR,
-                              web_app().string(), choice.string(), journal.string(), lines_at_once)),
-        "replay.mjs");
+                                       const std::filesystem::path& journal, int lines_at_once,
+                                       double memory_bytes = 0) {
+    return read_json(output_of(fmt::format("node '{}/tests/web/replay.mjs' '{}' '{}' '{}' {} {:.0f}",
+                                           TP_SOURCE_DIR, web_app().string(), choice.string(),
+                                           journal.string(), lines_at_once, memory_bytes)),
+                     "replay.mjs");
 }
 
 // web/serve.mjs on a port of its own, until it goes.

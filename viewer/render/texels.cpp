@@ -212,8 +212,12 @@ int level_count(int width, int height) {
 // [bytes] Of 24 megapixels; those of larger paintings are on disk.
 constexpr std::size_t kHeldTexels = std::size_t(512) << 20;
 
-TexelTiles::TexelTiles(const Surface& s, const TexelRange& range)
-    : width_(s.width()), height_(s.height()), range_(range) {
+TexelTiles::TexelTiles(const Surface& s, const TexelRange& range) : TexelTiles(s.width(), s.height(), range) {
+    update(s, {0, 0, width_, height_});
+}
+
+TexelTiles::TexelTiles(int width, int height, const TexelRange& range)
+    : width_(width), height_(height), range_(range) {
     std::size_t tiles = 0;
     for (int level = 0; level < level_count(width_, height_); ++level) {
         const LevelSize size = level_size(width_, height_, level);
@@ -222,7 +226,6 @@ TexelTiles::TexelTiles(const Surface& s, const TexelRange& range)
     }
     memory_ = ScratchMemory(tiles * kTileTexels * sizeof(Texel), kHeldTexels);
     texels_ = {static_cast<Texel*>(memory_.data()), tiles * kTileTexels};
-    update(s, {0, 0, width_, height_});
 }
 
 std::size_t TexelTiles::offset(int x, int y, int level) const {
@@ -263,17 +266,8 @@ void TexelTiles::make(int level, const Region& r, const Make& make) {
     });
 }
 
-void TexelTiles::update(const Surface& s, const Region& region) {
-    TP_REQUIRE(s.width() == width_ && s.height() == height_, "tiles are of this surface");
-    update(region, [&](int x, int y) { return material_at(s, x, y); });
-}
-
-void TexelTiles::update_part(const Surface& s, const Region& region) {
-    TP_REQUIRE(s.width() == region.width() && s.height() == region.height(), "the surface is of this region");
-    update(region, [&](int x, int y) { return material_at(s, x - region.x0, y - region.y0); });
-}
-
-void TexelTiles::update(const Region& region, const std::function<Material(int, int)>& material) {
+template <class MaterialAt>
+void TexelTiles::update(const Region& region, const MaterialAt& material) {
     make(0, region_at(0, region), [&](int x, int y) { return pack(material(x, y), range_); });
     for (int level = 1; level < levels(); ++level) {
         const LevelSize below = level_size(width_, height_, level - 1);
@@ -285,6 +279,16 @@ void TexelTiles::update(const Region& region, const std::function<Material(int, 
             return pack(mean.material(), range_);
         });
     }
+}
+
+void TexelTiles::update(const Surface& s, const Region& region) {
+    TP_REQUIRE(s.width() == width_ && s.height() == height_, "tiles are of this surface");
+    update(region, [&](int x, int y) { return material_at(s, x, y); });
+}
+
+void TexelTiles::update_part(const Surface& s, const Region& region) {
+    TP_REQUIRE(s.width() == region.width() && s.height() == region.height(), "the surface is of this region");
+    update(region, [&](int x, int y) { return material_at(s, x - region.x0, y - region.y0); });
 }
 
 }  // namespace tangi

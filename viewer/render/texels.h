@@ -24,7 +24,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -76,6 +75,8 @@ struct TileName {
 class TexelTiles {
 public:
     TexelTiles(const Surface& surface, const TexelRange& range);
+    // Of a surface of this size: all are 0 until they are updated.
+    TexelTiles(int width, int height, const TexelRange& range);
 
     int width() const { return width_; }
     int height() const { return height_; }
@@ -97,7 +98,8 @@ public:
 
 private:
     std::size_t offset(int x, int y, int level) const;
-    void update(const Region& region, const std::function<Material(int x, int y)>& material);
+    template <class MaterialAt>
+    void update(const Region& region, const MaterialAt& material);
     template <class Make>
     void make(int level, const Region& texels, const Make& make);
 

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Same bytes for the same pictures (AVFMT_FLAG_BITEXACT) leave out Matroska's own ENCODER.
 struct Codec {
     const char *extension, *encoder, *container, *program;  // the container's word for what wrote it
     std::array<std::pair<const char*, const char*>, 4> settings;
@@ -38,7 +39,7 @@ constexpr std::array<Codec, 2> kCodecs = {
      {".webm",
       "libvpx-vp9",
       "webm",
-      "encoder",
+      "SOFTWARE",
       {{{"crf", "20"}, {"deadline", "good"}, {"cpu-used", "4"}, {"row-mt", "1"}}}}}};
 
 struct Freed {

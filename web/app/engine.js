@@ -6,6 +6,9 @@ export class EngineError extends Error {}
 // GB a third, so that the system does not close the page; of more, what 32 bits can name, less room for strokes and undo.
 const memoryBytes = Math.min((globalThis.navigator?.deviceMemory ?? 4) * 0.35, 3) * 2 ** 30;
 
+// Addresses come as 32 bits with a sign: beyond 2 GB they would be negative.
+const placeOf = address => address >>> 0;
+
 export class Engine {
   // calls: how many there were; between two of them nothing changes.
   constructor(module) { Object.assign(this, {module, calls: 0}); }
@@ -14,7 +17,7 @@ export class Engine {
 
   // Where a text, or bytes, are in the engine's memory; to be freed.
   copied(value) {
-    const {module} = this, text = typeof value === 'string', size = text ? module.lengthBytesUTF8(value) + 1 : value.length, at = module._malloc(size);
+    const {module} = this, text = typeof value === 'string', size = text ? module.lengthBytesUTF8(value) + 1 : value.length, at = placeOf(module._malloc(size));
     if (!at) throw new EngineError('there is not enough memory for this');
     if (text) module.stringToUTF8(value, at, size);
     else module.HEAPU8.set(value, at);
@@ -30,7 +33,7 @@ export class Engine {
       return taken.at(-1);
     });
     try {
-      const done = module[`_tp_${name}`](...given), text = module.UTF8ToString(module._tp_text());
+      const done = module[`_tp_${name}`](...given), text = module.UTF8ToString(placeOf(module._tp_text()));
       if (!done) throw new EngineError(text);
       return text;
     } finally {
@@ -43,7 +46,7 @@ export class Engine {
   }
   // The bytes of the last answer, in memory of their own.
   bytes() {
-    const {module} = this, at = module._tp_bytes();
+    const {module} = this, at = placeOf(module._tp_bytes());
     return module.HEAPU8.slice(at, at + module._tp_byte_count());
   }
 
@@ -55,20 +58,39 @@ export class Engine {
     const parts = pictures.flatMap(p => [p?.bytes ?? new Uint8Array(1), p?.width ?? 0, p?.height ?? 0]);
     return this.json(call, JSON.stringify({memory_bytes: memoryBytes, ...choice}), ...parts);
   }
-  // file: the bytes of a painting file (web/engine/painting_bytes.h), which are in the engine's memory from then on, and not here.
+  // file: a painting file (web/engine/painting_bytes.h), {size, read(at, count) -> Uint8Array}: a part at a time is in memory.
   openPainting(file, undoBytes = 128 * 2 ** 20) {
-    const {length} = file, at = this.copied(file);
-    file.buffer.transfer?.(0);  // gone at once, where a browser can: it may be hundreds of megabytes
+    this.reads(file);
     try {
-      return this.json('open_painting', at, length, memoryBytes, undoBytes);
+      return this.json('open_painting', file.size, memoryBytes, undoBytes);
     } finally {
-      this.module._free(at);
+      this.reads(null);
     }
   }
-  // What is on the easel as a painting file (painting_file.js): {blocks}; its head is in bytes(). original: as openPainting() has it.
-  beginFile(original) { return this.json('begin_file', original ?? new Uint8Array(1), original?.length ?? 0); }
+  // From where the binding has bytes of a file (read_file()).
+  reads(file) {
+    const {module} = this;
+    module.readFile = file && ((at, to, count) => {
+      try {
+        module.HEAPU8.set(file.read(at, count), placeOf(to));
+        return 1;
+      } catch (error) {
+        console.warn(error);
+        return 0;
+      }
+    });
+  }
+  // What is on the easel as a painting file (painting_file.js): {blocks}; its head is in bytes(). original: the file that it is painted
+  // on, as openPainting() has it, or null; it is read until endFile().
+  beginFile(original) {
+    this.reads(original);
+    return this.json('begin_file', original?.size ?? 0);
+  }
   fileBlock(number, sorted) { return this.json('file_block', number, sorted ? 1 : 0); }
-  endFile() { this.call('end_file'); }
+  endFile() {
+    this.call('end_file');
+    this.reads(null);
+  }
   begin(firstLine) { this.call('begin', firstLine); }
   apply(line) { return this.call('apply', line); }
   // [{x0, y0, x1, y1}, …] of the painting's pixels that look different now.

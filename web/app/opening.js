@@ -11,7 +11,8 @@ async function supportOf(storage, {id, choice}) {
 }
 async function onSupport(storage, connection, record) {
   const file = await storage.original(record), support = await supportOf(storage, record);
-  return {...await connection.ask('open', {work: record.id, file, ...support}, file ? [file.buffer] : []), brush: null, next: 0};
+  if (file) busy('Reading the painting file…', 0);
+  return {...await connection.ask('open', {work: record.id, file, ...support}), brush: null, next: 0};
 }
 
 // Promises {picture, paints, state, brush, head}; `next`: the number of the record that comes next; `again`: how many were painted

@@ -5,8 +5,24 @@ async function packed(bytes) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new CompressionStream('deflate'))).arrayBuffer());
 }
 
-// `original`: the bytes of the file that it was painted on, or none. Promises a Blob. told(part): how far it is, 0 to 1.
+// A Blob as the engine reads it (Engine.openPainting()), in a worker. told(part): how far that is, 0 to 1.
+export function partsOf(blob, told = () => {}) {
+  const reader = new FileReaderSync();
+  return {size: blob.size, read(at, count) {
+    told(at / blob.size);
+    return new Uint8Array(reader.readAsArrayBuffer(blob.slice(at, at + count)));
+  }};
+}
+
+// `original`: the file that it was painted on, as partsOf() has it, or none. Promises a Blob. told(part): how far it is, 0 to 1.
 export async function paintingFile(engine, original, told) {
+  try {
+    return await written(engine, original, told);
+  } finally {
+    engine.endFile();
+  }
+}
+async function written(engine, original, told) {
   const {blocks} = engine.beginFile(original), head = engine.bytes(), places = new DataView(new ArrayBuffer(8 * blocks)), parts = [head, places];
   let at = head.length + 8 * blocks;
   for (let i = 0; i < blocks; ++i) {
@@ -26,6 +42,5 @@ export async function paintingFile(engine, original, told) {
     at += 12 + bytes.length;
     told(i / blocks);
   }
-  engine.endFile();
   return new Blob(parts, {type: 'image/x-exr'});
 }

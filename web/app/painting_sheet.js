@@ -64,8 +64,7 @@ const takeLayers = open => taken(open, 'Packing the layers…', 'ora', async () 
   return openRaster(layers, whole, await pngOf(await open.connection.ask('thumbnail', {size: 256})));
 });
 const takePainting = open => taken(open, 'Writing the painting file…', 'exr', async () => {
-  const original = await open.work.original();
-  return open.connection.ask('file', {original}, original ? [original.buffer] : []);
+  return open.connection.ask('file', {original: await open.work.original()});
 });
 const takeJournal = open => taken(open, 'Writing the journal…', 'jsonl', async () => new Blob([await open.work.text()], {type: 'application/x-ndjson'}));
 // What a full or failing storage has not taken can still be saved by hand.

@@ -78,10 +78,8 @@ export class Storage {
     await finished(transaction);
   }
   picture(id, kind) { return done(this.transaction('pictures', 'readonly').objectStore('pictures').get([id, kind])); }
-  // The bytes of the painting file that a work is painted on; null where that is another support.
-  async original({id, choice}) {
-    return choice.painting ? new Uint8Array(await (await this.picture(id, 'ground')).arrayBuffer()) : null;
-  }
+  // The painting file that a work is painted on, a Blob; null where that is another support.
+  async original({id, choice}) { return choice.painting ? this.picture(id, 'ground') : null; }
   async keepThumbnail(id, blob) {
     const transaction = this.transaction('pictures', 'readwrite');
     transaction.objectStore('pictures').put(blob, [id, 'thumbnail']);

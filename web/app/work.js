@@ -62,7 +62,7 @@ export class Work {
   }
   get unstored() { return this.pending.size; }
 
-  // The bytes of the painting file that it is painted on; null where that is another support.
+  // The painting file that it is painted on, a Blob; null where that is another support.
   original() { return this.storage.original(this.record); }
   // The whole journal as a file has it.
   async text() {

@@ -4,7 +4,7 @@
 import {Engine} from './engine.js';
 import makeEngine from './engine.mjs';
 import {forget, keepImage, recallImage} from './memory_image.js';
-import {paintingFile} from './painting_file.js';
+import {paintingFile, partsOf} from './painting_file.js';
 
 const paintAtOnce = 24, settleAfter = 120;  // [ms]
 const lines = [], delivered = new Set(), refused = new Set();
@@ -15,6 +15,7 @@ let open = {picture: {width: 0, height: 0}, next: 0, ms: 0};
 let program = null, build = '';  // engine.wasm, and its SHA-256
 
 const post = (message, transfer = []) => self.postMessage(message, transfer);
+const tellPart = part => post({event: 'progress', part});
 
 // Texels of what changed, of each level of which the page has a tile there.
 function show(regions) {
@@ -91,7 +92,7 @@ const calls = {
   },
   // work: its id; choice: web/engine/ground.h.
   open({work, choice, picture, relief, file}) {
-    return begun({picture: file ? engine.openPainting(file) : engine.open(choice, picture, relief), work, choice: JSON.stringify(choice), next: 0, ms: 0});
+    return begun({picture: file ? engine.openPainting(partsOf(file, tellPart)) : engine.open(choice, picture, relief), work, choice: JSON.stringify(choice), next: 0, ms: 0});
   },
   // What is open, as if it had been painted on another ground of the same relief.
   lieOn({choice, picture, relief}) {
@@ -141,7 +142,7 @@ const calls = {
       const now = performance.now();
       if (now - last < 100) return;
       last = now;
-      post({event: 'progress', part: i / all.length});
+      tellPart(i / all.length);
     });
     engine.refresh(false);
     open.next = next;
@@ -161,7 +162,7 @@ const calls = {
     return {...size, values: engine.bytes()};
   },
   // A Blob: the painting file; `original` is the one that it is painted on.
-  file: ({original}) => paintingFile(engine, original, part => post({event: 'progress', part})),
+  file: ({original}) => paintingFile(engine, original && partsOf(original), tellPart),
   hash: () => engine.json('hash'),
   totals: () => ({...engine.json('totals'), memory: engine.memory().length}),
 };

@@ -17,7 +17,6 @@
 #include "surface/render/relight.h"
 #include "viewer/model/palette_image.h"
 #include "viewer/render/horizon.h"
-#include "viewer/web/web_data.h"
 
 namespace tangi {
 
@@ -101,9 +100,19 @@ TexelRange Easel::range_of_look() const {
 }
 
 void Easel::pack_all() {
-    tiles_.emplace(*in_scale_of(session_.canvas(), ground_), range_);
-    if (!session_.canvas().ingredients().empty())
-        in_bands([&](const Region& rows, const Surface& look) { tiles_->update_part(look, rows); });
+    const Canvas& canvas = session_.canvas();
+    tiles_.emplace(canvas.width(), canvas.height(), range_);
+    heights_ = {std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+    const auto pack = [&](const Region& part, const Surface& look) {
+        tiles_->update_part(look, part);
+        const ShownHeights here = heights_of(look);
+        heights_ = {std::min(heights_.lowest_mm, here.lowest_mm),
+                    std::max(heights_.highest_mm, here.highest_mm)};
+    };
+    if (canvas.ingredients().empty())
+        pack(canvas.region(), *in_scale_of(canvas, ground_));
+    else
+        in_bands(pack);
     session_.canvas().take_dirty();
 }
 
@@ -131,13 +140,7 @@ void Easel::lie_on(Surface ground) {
 }
 
 json Easel::picture() const {
-    ShownHeights heights{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
-    in_bands([&](const Region&, const Surface& look) {
-        const ShownHeights here = heights_of(look);
-        heights = {std::min(heights.lowest_mm, here.lowest_mm),
-                   std::max(heights.highest_mm, here.highest_mm)};
-    });
-    return web_picture_data(*in_scale_of(session_.canvas(), ground_), range_, heights);
+    return web_picture_data(*in_scale_of(session_.canvas(), ground_), range_, heights_);
 }
 
 void Easel::begin(std::string_view first_line) const {

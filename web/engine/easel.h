@@ -16,6 +16,7 @@
 
 #include "paint/session/session.h"
 #include "viewer/render/texels.h"
+#include "viewer/web/web_data.h"
 
 namespace tangi {
 
@@ -29,7 +30,7 @@ public:
     // Of a painting that may have been painted on before.
     explicit Easel(Canvas canvas, std::size_t undo_bytes = kUndoBytes);
 
-    // What the page draws with: web_picture_data() of it.
+    // What the page draws with: web_picture_data() of it, with the heights that it had when it was opened.
     nlohmann::json picture() const;
 
     // The same painting on another ground of the same relief, of other colour or gloss: as if its strokes had
@@ -104,6 +105,7 @@ private:
     Session session_;
     std::optional<Surface> board_;
     TexelRange range_;
+    ShownHeights heights_;
     std::string head_;
     std::optional<TexelTiles> tiles_;
 };

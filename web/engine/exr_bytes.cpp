@@ -19,11 +19,17 @@ struct Window {  // of pixels, its last ones included
     std::int32_t x0 = 0, y0 = 0, x1 = -1, y1 = -1;
 };
 
+constexpr std::uint64_t kReadAhead = 1 << 16;  // [bytes] More than the headers of most files
+constexpr std::uint64_t kBlockHead = 12;       // [bytes] A block's part, first line and length
+constexpr std::size_t kLongestName = 255;      // [bytes] OpenEXR's limit
+
+// What stands in a file from a place on, a number or a text after the other.
 class Reader {
 public:
-    explicit Reader(std::string_view bytes, std::uint64_t at = 0) : bytes_(bytes) {
-        if (at > bytes.size()) fail("the painting file is cut short");
-        at_ = static_cast<std::size_t>(at);
+    // `ahead` [bytes]: so many are read at once where fewer are wanted.
+    explicit Reader(const ByteSource& bytes, std::uint64_t at = 0, std::uint64_t ahead = kReadAhead)
+        : bytes_(bytes), ahead_(ahead), next_(at) {
+        if (at > bytes.size) fail("the painting file is cut short");
     }
     template <class T>
     T number() {
@@ -32,21 +38,39 @@ public:
         return value;
     }
     std::string text() {  // up to a zero
-        const std::size_t end = bytes_.find('\0', at_);
-        if (end == std::string_view::npos) fail("the painting file is cut short");
-        std::string found(bytes_.substr(at_, end - at_));
-        at_ = end + 1;
-        return found;
+        for (std::size_t length = 0;; ++length) {
+            if (length > kLongestName) fail("the painting file is damaged");
+            hold(length + 1);
+            if (held_[at_ + length] != '\0') continue;
+            std::string found = held_.substr(at_, length);
+            at_ += length + 1;
+            return found;
+        }
     }
-    std::string_view take(std::size_t count) {
-        if (count > bytes_.size() - at_) fail("the painting file is cut short");
-        at_ += count;
-        return bytes_.substr(at_ - count, count);
+    std::string take(std::uint64_t count) {
+        hold(count);
+        at_ += static_cast<std::size_t>(count);
+        return held_.substr(at_ - static_cast<std::size_t>(count), static_cast<std::size_t>(count));
     }
 
 private:
-    std::string_view bytes_;
-    std::size_t at_ = 0;
+    void hold(std::uint64_t count) {
+        const std::uint64_t has = held_.size() - at_, left = bytes_.size - next_;
+        if (count <= has) return;
+        if (count - has > left) fail("the painting file is cut short");
+        held_.erase(0, at_);
+        at_ = 0;
+        const auto more = static_cast<std::size_t>(std::min(std::max(count - has, ahead_), left));
+        held_.resize(held_.size() + more);
+        bytes_.read(next_, {held_.data() + has, more});
+        next_ += more;
+    }
+
+    const ByteSource& bytes_;
+    const std::uint64_t ahead_;
+    std::uint64_t next_;  // what follows on held_
+    std::string held_;
+    std::size_t at_ = 0;  // in it
 };
 
 std::uint8_t packing_of(const ExrPart& part) { return part.get<std::uint8_t>("compression", 255); }
@@ -66,7 +90,7 @@ ExrPart next_part(Reader& bytes) {
     for (std::string name; !(name = bytes.text()).empty();) {
         const std::string type = bytes.text();
         const auto size = bytes.number<std::uint32_t>();
-        part.attributes[name] = {type, std::string(bytes.take(size))};
+        part.attributes[name] = {type, bytes.take(size)};
     }
     return part;
 }
@@ -90,21 +114,30 @@ std::string sorted_bytes(const std::string& values) {
                                            static_cast<unsigned char>(halves[i - 1]) + 128);
     return differences;
 }
-std::string unsorted_bytes(std::string sums) {
-    const std::size_t size = sums.size(), half = (size + 1) / 2;
-    for (std::size_t i = 1; i < size; ++i)
-        sums[i] = static_cast<char>(static_cast<unsigned char>(sums[i - 1]) +
-                                    static_cast<unsigned char>(sums[i]) - 128);
+// The first half and the second side by side: each byte waits for the one before it.
+std::string unsorted_bytes(const std::string& differences) {
+    const std::size_t size = differences.size(), half = (size + 1) / 2, pairs = size / 2;
     std::string values(size, '\0');
-    for (std::size_t i = 0; i < size; ++i) values[i] = sums[i % 2 == 0 ? i / 2 : half + i / 2];
+    const auto* from = reinterpret_cast<const unsigned char*>(differences.data());
+    auto* to = reinterpret_cast<unsigned char*>(values.data());
+    unsigned first = 128, second = 0;  // the first byte is no difference
+    for (std::size_t i = 0; i < half; ++i) second += from[i] - 128u;
+    second += 128;
+    for (std::size_t i = 0; i < pairs; ++i) {
+        first += from[i] - 128u;
+        second += from[half + i] - 128u;
+        to[2 * i] = static_cast<unsigned char>(first);
+        to[2 * i + 1] = static_cast<unsigned char>(second);
+    }
+    if (half > pairs) to[size - 1] = static_cast<unsigned char>(first + from[half - 1] - 128u);
     return values;
 }
 
-std::string unpacked(std::string_view packed, std::size_t size) {
-    if (packed.size() == size) return std::string(packed);  // where packing saved nothing
-    auto found = inflated(packed, size);
+std::string unpacked(std::string packed, std::size_t size) {
+    if (packed.size() == size) return packed;  // where packing saved nothing
+    const auto found = inflated(packed, size);
     if (!found || found->size() != size) fail("the painting file is damaged");
-    return unsorted_bytes(std::move(*found));
+    return unsorted_bytes(*found);
 }
 
 std::string channel_list(const PartInfo& info) {
@@ -139,9 +172,15 @@ ExrAttribute exr_number(float value) { return {"float", bytes_of(value)}; }
 ExrAttribute exr_number(double value) { return {"double", bytes_of(value)}; }
 ExrAttribute exr_number(std::int32_t value) { return {"int", bytes_of(value)}; }
 
-ExrFile::ExrFile(std::string_view file) : bytes_(file) {
-    Reader bytes(file);
-    if (file.size() < 8 || bytes.number<std::uint32_t>() != kMagic)
+ByteSource bytes_in(std::string_view memory) {
+    return {memory.size(), [memory](std::uint64_t at, std::span<char> to) {
+                memory.copy(to.data(), to.size(), static_cast<std::size_t>(at));
+            }};
+}
+
+ExrFile::ExrFile(ByteSource file) : bytes_(std::move(file)) {
+    Reader bytes(bytes_);
+    if (bytes_.size < 8 || bytes.number<std::uint32_t>() != kMagic)
         fail("this is no painting file: paintings are made by 'tangipaint fit' and end in .exr");
     several_ = (bytes.number<std::uint32_t>() & kSeveralParts) != 0;
     for (ExrPart part = next_part(bytes); !part.attributes.empty(); part = next_part(bytes)) {
@@ -172,7 +211,8 @@ PartInfo ExrFile::info(const ExrPart& part) {
     if (packing_of(part) != kZip && packing_of(part) != kNotPacked)
         fail("the painting is packed in a way that only the desktop reads; save it there anew");
     const std::string list = part.text("channels");
-    Reader bytes(list);
+    const ByteSource in_list = bytes_in(list);
+    Reader bytes(in_list);
     for (std::string name; !(name = bytes.text()).empty();) {
         const auto type = bytes.number<std::uint32_t>();
         bytes.take(4);
@@ -188,7 +228,7 @@ PartInfo ExrFile::info(const ExrPart& part) {
 }
 
 ExrBlock ExrFile::block(const ExrPart& part, std::size_t number) const {
-    Reader bytes(bytes_, part.places[number]);
+    Reader bytes(bytes_, part.places[number], kBlockHead);
     if (several_) bytes.number<std::uint32_t>();  // the part's number
     const auto y = bytes.number<std::int32_t>();
     const auto size = bytes.number<std::uint32_t>();
@@ -202,10 +242,10 @@ void ExrFile::read(const ExrPart& part, const TakeRows& take) const {
     const auto width = static_cast<std::size_t>(info.width), channels = info.channels.size();
     std::vector<float> values;
     for (std::size_t number = 0; number < part.places.size(); ++number) {
-        const ExrBlock packed = block(part, number);
+        ExrBlock packed = block(part, number);
         const int end = std::min(packed.y + rows_of_block(part), info.height);
         const auto rows = static_cast<std::size_t>(end - packed.y);
-        const std::string lines = unpacked(packed.bytes, 4 * width * channels * rows);
+        const std::string lines = unpacked(std::move(packed.bytes), 4 * width * channels * rows);
         values.resize(width * channels * rows);
         std::vector<const float*> planes;
         for (std::size_t c = 0; c < channels; ++c) {

@@ -1,4 +1,4 @@
-// exr_bytes.h: OpenEXR files of whole lines in memory, as painting files are ("OpenEXR File Layout", 2013):
+// exr_bytes.h: OpenEXR files of whole lines as bytes, as painting files are ("OpenEXR File Layout", 2013):
 // OpenEXR's own library is of no use where there are no files.
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,14 +41,20 @@ struct ExrPart {
 // Lines of a part as the file has them, packed.
 struct ExrBlock {
     std::int32_t y = 0;  // the first of them
-    std::string_view bytes;
+    std::string bytes;
 };
 
-// A file that stays in memory as long as this does. Throws Error where it is none, is cut short, or its sizes
-// cannot be right.
+// A file's bytes, wherever they are: a large file need never be in memory as a whole.
+struct ByteSource {
+    std::uint64_t size = 0;
+    std::function<void(std::uint64_t at, std::span<char> to)> read;  // of what lies within `size`
+};
+ByteSource bytes_in(std::string_view memory);  // which must outlive it
+
+// Throws Error where it is no such file, is cut short, or its sizes cannot be right.
 class ExrFile {
 public:
-    explicit ExrFile(std::string_view bytes);
+    explicit ExrFile(ByteSource bytes);
 
     const std::vector<ExrPart>& parts() const { return parts_; }
     const ExrPart* part(const std::string& name) const;  // null where there is none
@@ -61,7 +68,7 @@ public:
     void read(const ExrPart& part, const TakeRows& take) const;
 
 private:
-    std::string_view bytes_;
+    ByteSource bytes_;
     bool several_ = false;
     std::vector<ExrPart> parts_;
 };

@@ -115,7 +115,7 @@ bool stays(const std::string& name) {
 
 }  // namespace
 
-Canvas painting_from_bytes(std::string_view bytes, double memory_bytes) {
+Canvas painting_from_bytes(const ByteSource& bytes, double memory_bytes) {
     const ExrFile file(bytes);
     const ExrPart* dry = file.part(kDry);
     if (!dry) fail("this EXR file is no painting: it has no part '{}'", kDry);
@@ -130,12 +130,11 @@ Canvas painting_from_bytes(std::string_view bytes, double memory_bytes) {
     return canvas_of_parts(kName, std::make_shared<Surface>(dry_from(file, *dry)), parts, read);
 }
 
-PaintingToSave::PaintingToSave(const Canvas& canvas, std::string original)
-    : canvas_(canvas), original_(std::move(original)) {
-    if (original_.empty()) {
+PaintingToSave::PaintingToSave(const Canvas& canvas, const ByteSource& original) : canvas_(canvas) {
+    if (original.size == 0) {
         parts_.push_back({dry_header(canvas_.dry()), dry_rows(canvas_.dry())});
     } else {
-        file_.emplace(original_);
+        file_.emplace(original);
         for (const ExrPart& part : file_->parts())
             if (stays(part.text("name"))) parts_.push_back({part, {}, &*file_});
     }
@@ -155,9 +154,9 @@ PaintingToSave::Block PaintingToSave::block(std::size_t number, bool sorted) con
         found.bytes = exr_block(source, block, sorted);
         return found;
     }
-    const ExrBlock kept = source.from->block(source.header, block);
+    ExrBlock kept = source.from->block(source.header, block);
     found.y = kept.y;
-    found.bytes = kept.bytes;
+    found.bytes = std::move(kept.bytes);
     return found;
 }
 

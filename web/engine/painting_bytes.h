@@ -1,4 +1,4 @@
-// painting_bytes.h: painting files (paint/files/canvas_file.h) that a browser has in memory.
+// painting_bytes.h: painting files (paint/files/canvas_file.h) that a browser has.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace tangi {
 // lines. Throws Error for anything else, where it is damaged, and where the maps are not those that were
 // saved (their hash).
 // Also require_memory_for()'s.
-Canvas painting_from_bytes(std::string_view file, double memory_bytes = 0);
+Canvas painting_from_bytes(const ByteSource& file, double memory_bytes = 0);
 
 // A painting file in the making: what was painted, beside all else that was in the file that it was painted
 // on, as it was there. What is shown of it in a hurry (`overview`) and the brush that was in the hand at the
@@ -23,8 +23,8 @@ Canvas painting_from_bytes(std::string_view file, double memory_bytes = 0);
 class PaintingToSave {
 public:
     // A copy of the canvas, which shares its paint until that changes. `original`: the file that the canvas
-    // is of; empty where there was none.
-    PaintingToSave(const Canvas& canvas, std::string original);
+    // is of; of no bytes where there was none.
+    PaintingToSave(const Canvas& canvas, const ByteSource& original);
     PaintingToSave(const PaintingToSave&) = delete;
     PaintingToSave& operator=(const PaintingToSave&) = delete;
 
@@ -40,7 +40,6 @@ public:
 
 private:
     Canvas canvas_;
-    std::string original_;
     std::optional<ExrFile> file_;
     std::vector<ExrSource> parts_;
     std::vector<std::pair<std::size_t, std::size_t>> places_;  // part, block of it

@@ -16,6 +16,9 @@
 #include "web/engine/ground.h"
 #include "web/engine/painting_bytes.h"
 
+// Bytes of the page's file (web/app/engine.js: Engine.reads()); 0 where it cannot be read.
+EM_JS(int, read_file, (double at, char* to, int count), { return Module["readFile"](at, to, count); });
+
 namespace {
 
 using nlohmann::json;
@@ -38,6 +41,13 @@ Answer& answer() {
 std::optional<tangi::PaintingToSave>& painting_file() {
     static std::optional<tangi::PaintingToSave> one;
     return one;
+}
+
+tangi::ByteSource page_file(double size) {
+    return {static_cast<std::uint64_t>(size), [](std::uint64_t at, std::span<char> to) {
+                if (!read_file(static_cast<double>(at), to.data(), static_cast<int>(to.size())))
+                    tangi::fail("the painting file cannot be read: choose it again");
+            }};
 }
 
 Easel& open_easel() {
@@ -111,24 +121,21 @@ EMSCRIPTEN_KEEPALIVE int tp_lie_on(const char* choice, const std::uint8_t* pictu
 EMSCRIPTEN_KEEPALIVE int tp_head() {
     return guarded([&] { answer_with(json(open_easel().head())); });
 }
-// A painting file, as bytes.
-EMSCRIPTEN_KEEPALIVE int tp_open_painting(const char* file, int count, double memory_bytes,
-                                          double undo_bytes) {
+// A painting file of so many bytes, which the page reads.
+EMSCRIPTEN_KEEPALIVE int tp_open_painting(double file_bytes, double memory_bytes, double undo_bytes) {
     return guarded([&] {
         easel().reset();
-        easel().emplace(tangi::painting_from_bytes({file, static_cast<std::size_t>(count)}, memory_bytes),
+        easel().emplace(tangi::painting_from_bytes(page_file(file_bytes), memory_bytes),
                         static_cast<std::size_t>(undo_bytes));
         answer_with(open_easel().picture());
     });
 }
-// What is on the easel as a painting file: the file that it is painted on, as bytes, none where there was
-// none. Answers
-// {"blocks"}, and with the file's head as bytes.
-EMSCRIPTEN_KEEPALIVE int tp_begin_file(const char* original, int count) {
+// What is on the easel as a painting file; the page reads the one that it is painted on, which has so many
+// bytes, 0 where there was none. Answers {"blocks"}, and with the file's head as bytes.
+EMSCRIPTEN_KEEPALIVE int tp_begin_file(double original_bytes) {
     return guarded([&] {
         painting_file().reset();
-        painting_file().emplace(open_easel().session().canvas(),
-                                std::string(original, static_cast<std::size_t>(count)));
+        painting_file().emplace(open_easel().session().canvas(), page_file(original_bytes));
         answer_with(json{{"blocks", painting_file()->blocks()}});
         const std::string head = painting_file()->head();
         answer().bytes.assign(head.begin(), head.end());

@@ -2,6 +2,7 @@
 // libdeflate.
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include "surface/file/deflated.h"
@@ -16,30 +17,82 @@ class Bits {
 public:
     explicit Bits(std::string_view bytes) : bytes_(bytes) {}
 
-    // The next ones, the lowest first, with zeros after the end; up to 32.
-    std::uint64_t peek(int count) {
-        for (; held_count_ <= 56 && at_ < bytes_.size(); held_count_ += 8)
-            held_ |= std::uint64_t{static_cast<unsigned char>(bytes_[at_++])} << held_count_;
-        return held_ & ((std::uint64_t{1} << count) - 1);
+    // 56 bits and more are there to be seen from here on, zeros after the end.
+    void fill() {
+        if (bytes_.size() - at_ < sizeof held_) return fill_by_bytes();
+        std::uint64_t next;
+        std::memcpy(&next, bytes_.data() + at_, sizeof next);  // the lowest byte first, as WebAssembly has it
+        held_ |= next << held_count_;
+        at_ += static_cast<std::size_t>((63 - held_count_) >> 3);
+        held_count_ |= 56;
     }
+    // The next ones, the lowest first, of those that fill() has got.
+    std::uint64_t seen(int count) const { return held_ & ((std::uint64_t{1} << count) - 1); }
     void drop(int count) {
         if (count > held_count_) throw Damaged();
         held_ >>= count;
         held_count_ -= count;
     }
-    unsigned take(int count) {
-        const auto value = static_cast<unsigned>(peek(count));
+    unsigned taken(int count) {
+        const auto value = static_cast<unsigned>(seen(count));
         drop(count);
         return value;
+    }
+    unsigned take(int count) {
+        fill();
+        return taken(count);
     }
     void to_byte() { drop(held_count_ % 8); }
 
 private:
+    void fill_by_bytes() {
+        for (; held_count_ < 56 && at_ < bytes_.size(); held_count_ += 8)
+            held_ |= std::uint64_t{static_cast<unsigned char>(bytes_[at_++])} << held_count_;
+    }
+
     std::string_view bytes_;
     std::size_t at_ = 0;
-    std::uint64_t held_ = 0;
+    std::uint64_t held_ = 0;  // bits beyond held_count_ are those that follow, or zeros
     int held_count_ = 0;
 };
+
+// What is unpacked, in room that is there from the beginning.
+class Unpacked {
+public:
+    explicit Unpacked(std::size_t most_bytes) : bytes_(most_bytes, '\0') {}
+
+    void add(char byte) {
+        if (size_ == bytes_.size()) throw Damaged();
+        bytes_[size_++] = byte;
+    }
+    // So many of those that lie so far back, which may be some of these.
+    void repeat(std::size_t back, std::size_t count) {
+        if (back > size_ || count > bytes_.size() - size_) throw Damaged();
+        char* to = bytes_.data() + size_;
+        const char* from = to - back;
+        size_ += count;
+        if (back < kWord || bytes_.size() - size_ < kWord) {
+            for (std::size_t i = 0; i < count; ++i) to[i] = from[i];
+            return;
+        }
+        for (std::size_t i = 0; i < count; i += kWord) {  // some more, which are written over
+            std::uint64_t word;
+            std::memcpy(&word, from + i, kWord);
+            std::memcpy(to + i, &word, kWord);
+        }
+    }
+    std::string all() {
+        bytes_.resize(size_);
+        return std::move(bytes_);
+    }
+
+private:
+    static constexpr std::size_t kWord = sizeof(std::uint64_t);
+    std::string bytes_;
+    std::size_t size_ = 0;
+};
+
+constexpr int kMostBits = 15;  // of a code
 
 // A canonical Huffman code (RFC 1951, 3.2.2): symbols in the order of their lengths, and how many have each;
 // of short codes, which symbol the next bits begin with.
@@ -48,8 +101,8 @@ public:
     explicit HuffmanCode(const std::vector<int>& lengths) : symbols_(lengths.size()) {
         for (const int length : lengths) ++count_[static_cast<std::size_t>(length)];
         count_[0] = 0;
-        std::array<int, 17> first{}, code{};
-        for (std::size_t l = 1; l < 16; ++l) {
+        std::array<int, kMostBits + 2> first{}, code{};
+        for (std::size_t l = 1; l <= kMostBits; ++l) {
             first[l + 1] = first[l] + count_[l];
             code[l + 1] = (code[l] + count_[l]) << 1;
         }
@@ -60,15 +113,16 @@ public:
             remember(static_cast<int>(symbol), lengths[symbol], code[length]++);
         }
     }
+    // Of the bits that fill() has got: up to kMostBits of them.
     int next(Bits& bits) const {
-        const Short found = short_[bits.peek(kShortBits)];
+        const Short found = short_[bits.seen(kShortBits)];
         if (found.length == 0) return next_by_bits(bits);
         bits.drop(found.length);
         return found.symbol;
     }
 
 private:
-    static constexpr int kShortBits = 10;
+    static constexpr int kShortBits = 11;
     struct Short {
         std::int16_t symbol = 0, length = 0;
     };
@@ -83,8 +137,8 @@ private:
     }
     int next_by_bits(Bits& bits) const {
         int code = 0, first = 0, index = 0;
-        for (std::size_t length = 1; length < 16; ++length) {
-            code |= static_cast<int>(bits.take(1));
+        for (std::size_t length = 1; length <= kMostBits; ++length) {
+            code |= static_cast<int>(bits.taken(1));
             if (code - first < count_[length])
                 return symbols_[static_cast<std::size_t>(index + code - first)];
             index += count_[length];
@@ -94,7 +148,7 @@ private:
         throw Damaged();
     }
 
-    std::array<int, 16> count_{};
+    std::array<int, kMostBits + 1> count_{};
     std::vector<int> symbols_;
     std::array<Short, 1 << kShortBits> short_{};
 };
@@ -109,28 +163,30 @@ constexpr std::array kFarBase = {1,    2,    3,    4,    5,    7,    9,    13,  
 constexpr std::array kFarBits = {0, 0, 0, 0, 1, 1, 2, 2,  3,  3,  4,  4,  5,  5,  6,
                                  6, 7, 7, 8, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13};
 
-void unpack_codes(Bits& bits, const HuffmanCode& literals, const HuffmanCode& distances, std::size_t most,
-                  std::string& out) {
+void unpack_codes(Bits& bits, const HuffmanCode& literals, const HuffmanCode& distances, Unpacked& out) {
     for (;;) {
-        const auto symbol = static_cast<std::size_t>(literals.next(bits));
-        if (symbol == 256) return;
+        bits.fill();  // enough for two codes and the bits of a length, or for those of a distance
+        auto symbol = static_cast<std::size_t>(literals.next(bits));
         if (symbol < 256) {
-            out += static_cast<char>(symbol);
-        } else {
-            if (symbol - 257 >= kLengthBase.size()) throw Damaged();
-            const std::size_t length =
-                static_cast<std::size_t>(kLengthBase[symbol - 257]) + bits.take(kLengthBits[symbol - 257]);
-            const auto far = static_cast<std::size_t>(distances.next(bits));
-            if (far >= kFarBase.size()) throw Damaged();
-            const std::size_t back = static_cast<std::size_t>(kFarBase[far]) + bits.take(kFarBits[far]);
-            if (back > out.size()) throw Damaged();
-            for (std::size_t i = 0; i < length; ++i) out += out[out.size() - back];
+            out.add(static_cast<char>(symbol));
+            symbol = static_cast<std::size_t>(literals.next(bits));
         }
-        if (out.size() > most) throw Damaged();
+        if (symbol < 256) {
+            out.add(static_cast<char>(symbol));
+            continue;
+        }
+        if (symbol == 256) return;
+        if (symbol - 257 >= kLengthBase.size()) throw Damaged();
+        const std::size_t length =
+            static_cast<std::size_t>(kLengthBase[symbol - 257]) + bits.taken(kLengthBits[symbol - 257]);
+        bits.fill();
+        const auto far = static_cast<std::size_t>(distances.next(bits));
+        if (far >= kFarBase.size()) throw Damaged();
+        out.repeat(static_cast<std::size_t>(kFarBase[far]) + bits.taken(kFarBits[far]), length);
     }
 }
 
-void unpack_dynamic(Bits& bits, std::size_t most, std::string& out) {
+void unpack_dynamic(Bits& bits, Unpacked& out) {
     constexpr std::array kOrder = {16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15};
     const unsigned literals = bits.take(5) + 257, distances = bits.take(5) + 1, codes = bits.take(4) + 4;
     std::vector<int> lengths(19);
@@ -139,6 +195,7 @@ void unpack_dynamic(Bits& bits, std::size_t most, std::string& out) {
     const HuffmanCode of_lengths(lengths);
     std::vector<int> all;
     while (all.size() < literals + distances) {
+        bits.fill();
         const int symbol = of_lengths.next(bits);
         if (symbol < 16) {
             all.push_back(symbol);
@@ -153,21 +210,20 @@ void unpack_dynamic(Bits& bits, std::size_t most, std::string& out) {
     }
     if (all.size() > literals + distances) throw Damaged();
     const auto middle = all.begin() + static_cast<std::ptrdiff_t>(literals);
-    unpack_codes(bits, HuffmanCode({all.begin(), middle}), HuffmanCode({middle, all.end()}), most, out);
+    unpack_codes(bits, HuffmanCode({all.begin(), middle}), HuffmanCode({middle, all.end()}), out);
 }
 
-void unpack_fixed(Bits& bits, std::size_t most, std::string& out) {
+void unpack_fixed(Bits& bits, Unpacked& out) {
     std::vector<int> lengths(288, 8);
     for (std::size_t i = 144; i < 280; ++i) lengths[i] = i < 256 ? 9 : 7;
-    unpack_codes(bits, HuffmanCode(lengths), HuffmanCode(std::vector<int>(30, 5)), most, out);
+    unpack_codes(bits, HuffmanCode(lengths), HuffmanCode(std::vector<int>(30, 5)), out);
 }
 
-void unpack_stored(Bits& bits, std::size_t most, std::string& out) {
+void unpack_stored(Bits& bits, Unpacked& out) {
     bits.to_byte();
     const unsigned length = bits.take(16);
     bits.take(16);  // the same, inverted
-    if (out.size() + length > most) throw Damaged();
-    for (unsigned i = 0; i < length; ++i) out += static_cast<char>(bits.take(8));
+    for (unsigned i = 0; i < length; ++i) out.add(static_cast<char>(bits.take(8)));
 }
 
 }  // namespace
@@ -177,25 +233,24 @@ std::optional<std::string> inflated(std::string_view packed, std::size_t most_by
         Bits bits(packed);
         if ((bits.take(8) & 15) != 8) return {};
         bits.take(8);
-        std::string out;
-        out.reserve(most_bytes);
+        Unpacked out(most_bytes);
         for (bool last = false; !last;) {
             last = bits.take(1) == 1;
             switch (bits.take(2)) {
                 case 0:
-                    unpack_stored(bits, most_bytes, out);
+                    unpack_stored(bits, out);
                     break;
                 case 1:
-                    unpack_fixed(bits, most_bytes, out);
+                    unpack_fixed(bits, out);
                     break;
                 case 2:
-                    unpack_dynamic(bits, most_bytes, out);
+                    unpack_dynamic(bits, out);
                     break;
                 default:
                     return {};
             }
         }
-        return out;
+        return out.all();
     } catch (const Damaged&) {
         return {};
     }

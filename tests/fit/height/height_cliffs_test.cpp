@@ -139,12 +139,11 @@ TEST(HeightCliffs, LeastSquaresAreThoseThatCeresFindsAndRobustSweepsLowerTheRobu
 
 // [1] Depth of the losses of a generated painting, of the true one: mean inside less mean around.
 double loss_depth(const Image<float>& z, const PaintingTruth& truth) {
-    Image<float> near(z.width(), z.height());
-    for (std::size_t i = 0; i < near.size(); ++i) near.pixels()[i] = truth.loss.pixels()[i];
-    box_mean(near, 2);
-    Image<float> around(z.width(), z.height());
-    for (std::size_t i = 0; i < near.size(); ++i) around.pixels()[i] = truth.loss.pixels()[i];
-    box_mean(around, 6);
+    Image<float> loss(z.width(), z.height());
+    for (std::size_t i = 0; i < loss.size(); ++i) loss.pixels()[i] = truth.loss.pixels()[i];
+    Image<float> near = loss, around = loss;
+    box_mean(loss, 2, near);
+    box_mean(loss, 6, around);
     double found[2] = {}, real[2] = {}, count[2] = {};
     for (std::size_t i = 0; i < near.size(); ++i) {
         const bool inside = near.pixels()[i] > 0.999f;

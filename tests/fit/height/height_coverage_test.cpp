@@ -48,7 +48,7 @@ double height_coverage(const PaintingOptions& painting, const GeneratorOptions& 
     Image<float> off = s.height_mm;
     for (std::size_t i = 0; i < off.size(); ++i) off.pixels()[i] -= truth.height_mm.pixels()[i];
     Image<float> mean = off;
-    box_mean(mean, kHeightErrorWindow / 2);
+    box_mean(off, kHeightErrorWindow / 2, mean);
     const auto slope_off = [&](std::size_t i, bool y) {
         const Slope a = slope_of(s.normal.pixels()[i]), b = slope_of(truth.normal.pixels()[i]);
         return y ? a.y - b.y : a.x - b.x;
@@ -86,7 +86,7 @@ double part_of_spread(const Image<Vec3>& normal, const PaintingTruth& truth, dou
     integrate_normals({normal, known, mm}, off, {.robust_sweeps = 0});
     for (std::size_t i = 0; i < off.size(); ++i) off.pixels()[i] -= truth.height_mm.pixels()[i];
     Image<float> mean = off;
-    box_mean(mean, kHeightErrorWindow / 2);
+    box_mean(off, kHeightErrorWindow / 2, mean);
     double square = 0, spread2 = 0;
     for (int y = 0; y < off.height(); ++y)
         for (int x = 0; x < off.width(); ++x) {

@@ -6,8 +6,10 @@
 
 #include <chrono>
 #include <fstream>
+#include <mutex>
 #include <thread>
 
+#include "surface/base/parallel.h"
 #include "surface/image/image.h"
 
 namespace tangi {
@@ -58,6 +60,25 @@ TEST(ImageMemory, HoldsFewPagesOfManyImages) {
     EXPECT_LT(most, 12 * 32 / 2);
     for (int i = 0; i < 12; ++i)
         EXPECT_EQ(images[static_cast<std::size_t>(i)](11, 0), static_cast<float>(i) + 11);
+}
+
+TEST(ImageMemory, LoopsHoldFewPagesOfManyImages) {
+    const double before = megabytes_of_files(), more = 64;  // half of the limit is for pages of files
+    const LimitedImages limited(static_cast<std::size_t>(2 * (before + more)) << 20);
+    std::vector<Image<float>> held, images;
+    while (!images_go_to_disk(32 << 20)) held.push_back(numbered(0));
+    for (int i = 0; i < 12; ++i) images.push_back(numbered(i));
+    std::mutex mutex;
+    double most = 0;
+    parallel_for(0, images[0].height(), 16, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (Image<float>& image : images)
+                for (int x = 0; x < image.width(); ++x) image(x, y) += 1;
+        const std::lock_guard lock(mutex);
+        most = std::max(most, megabytes_of_files() - before);
+    });
+    EXPECT_LT(most, more + 32);
+    EXPECT_EQ(images[7](5, 2047), 7 + 4096.0f * 2047 + 5 + 1);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TEST(LossyTiles, KeepWhatIsNoNumberExactly) {
 }
 
 // The page in a browser is as good as the export has measured, and knows how good its heights are.
-TEST_F(WebPageInABrowser, RelightsWithLossesAsItSays) {
+TP_LONG TEST_F(WebPageInABrowser, RelightsWithLossesAsItSays) {
     for (const bool gilded : {false, true}) {
         Surface s = soft_surface(kWidth, kHeight);
         if (gilded) s.specular_colour = Image<Rgb>(kWidth, kHeight, Rgb(1, 0.8f, 0.3f));

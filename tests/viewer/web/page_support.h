@@ -7,6 +7,7 @@
 
 #include "surface/render/relight.h"
 #include "tests/programs/support/browser.h"
+#include "tests/support/long_test.h"
 #include "tests/support/viewer/viewer_support.h"
 #include "viewer/render/view.h"
 

@@ -62,7 +62,7 @@ protected:
     }
 };
 
-TEST_F(WebPageTools, ComparesStatesLeftAndRightOfADivider) {
+TP_LONG TEST_F(WebPageTools, ComparesStatesLeftAndRightOfADivider) {
     const Surface before = painted_surface(kWidth, kHeight), after = painted_surface(kWidth, kHeight, 7);
     const std::array states = {WebState{"Before", shared_surface(before)},
                                WebState{"After", shared_surface(after)}};
@@ -103,7 +103,7 @@ TEST_F(WebPageTools, ComparesStatesLeftAndRightOfADivider) {
     EXPECT_EQ(browser_->errors, "");
 }
 
-TEST_F(WebPageTools, HoldsOnceWhatStatesHaveInCommon) {
+TP_LONG TEST_F(WebPageTools, HoldsOnceWhatStatesHaveInCommon) {
     const Surface before = painted_surface(600, 600);
     const Surface after = retouched(before);
     const std::array states = {WebState{"Before", shared_surface(before)},
@@ -125,7 +125,7 @@ TEST_F(WebPageTools, HoldsOnceWhatStatesHaveInCommon) {
 }
 
 // A coloured light is a white one behind a filter: its strongest channel stays as it is.
-TEST_F(WebPageTools, LightsInTheColourThatIsChosen) {
+TP_LONG TEST_F(WebPageTools, LightsInTheColourThatIsChosen) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
     open(url_of(scratch_ / "page.html", 130, 40) + "&colour=ff8040");
@@ -135,7 +135,7 @@ TEST_F(WebPageTools, LightsInTheColourThatIsChosen) {
     EXPECT_GE(part_within(middle_of(browser_->screenshot()), wanted, 1.5), 0.999);
 }
 
-TEST_F(WebPageTools, MeasuresHeightsAsTheWindowDoes) {
+TP_LONG TEST_F(WebPageTools, MeasuresHeightsAsTheWindowDoes) {
     for (const bool known : {true, false}) {
         Surface s = painted_surface(kWidth, kHeight);
         s.scale_known = known;
@@ -168,7 +168,7 @@ TEST_F(WebPageTools, MeasuresHeightsAsTheWindowDoes) {
     EXPECT_EQ(browser_->errors, "");
 }
 
-TEST_F(WebPageTools, KeepsAnnotationsWithTheirLightAndView) {
+TP_LONG TEST_F(WebPageTools, KeepsAnnotationsWithTheirLightAndView) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight),
                    {.title = "Ridges", .id = "urn:tangipaint:ridges"});
     open_at(page() + "#azimuth=20&elevation=30&zoom=1&x=149.5&y=134.5", {1000, 700});
@@ -219,7 +219,7 @@ TEST_F(WebPageTools, KeepsAnnotationsWithTheirLightAndView) {
     EXPECT_EQ(browser_->errors, "");
 }
 
-TEST_F(WebPageTools, DrawsByKeysAlone) {
+TP_LONG TEST_F(WebPageTools, DrawsByKeysAlone) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
     open_at(page() + "#zoom=1&x=149.5&y=134.5&tool=polygon", {1000, 700});
     browser_->evaluate("document.getElementById('picture').focus()");
@@ -250,7 +250,7 @@ TEST_F(WebPageTools, DrawsByKeysAlone) {
 
 // Shapes as treatments, IIIF and other programs write them; what is wrong with a file is said, and nothing of
 // it taken.
-TEST_F(WebPageTools, LoadsAnnotationsOfOthers) {
+TP_LONG TEST_F(WebPageTools, LoadsAnnotationsOfOthers) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
     open_at(page(), {1000, 700});
     click_on("#noted");
@@ -344,7 +344,7 @@ TEST_F(WebPageTools, SharesAnnotationsWithTheWindow) {
 }
 
 // A PNG in the pixels of the canvas, of what is shown, with what is drawn over it.
-TEST_F(WebPageTools, SavesWhatIsShownAsAPicture) {
+TP_LONG TEST_F(WebPageTools, SavesWhatIsShownAsAPicture) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
     open(url_of(scratch_ / "page.html", 130, 40));
     const Image<Rgb> seen = browser_->screenshot();
@@ -367,7 +367,7 @@ TEST_F(WebPageTools, SavesWhatIsShownAsAPicture) {
 }
 
 // axe-core's rules, and targets of 44 pixels, with all panes open.
-TEST_F(WebPageTools, IsAccessible) {
+TP_LONG TEST_F(WebPageTools, IsAccessible) {
     const fs::path axe = fs::path(TP_SOURCE_DIR) / "build/web/npm/node_modules/axe-core/axe.min.js";
     const Surface s = painted_surface(kWidth, kHeight);
     const std::array states = {WebState{"Before", shared_surface(s)},

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_F(WebPageInABrowser, EqualsTheReferenceFromAFolderAndAsOneFile) {
+TP_LONG TEST_F(WebPageInABrowser, EqualsTheReferenceFromAFolderAndAsOneFile) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page", s, {.title = "Ridges"});
     write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
@@ -41,7 +41,7 @@ TEST_F(WebPageInABrowser, EqualsTheReferenceFromAFolderAndAsOneFile) {
             << url;
 }
 
-TEST_F(WebPageInABrowser, FollowsTheHand) {
+TP_LONG TEST_F(WebPageInABrowser, FollowsTheHand) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
     open_at("file://" + (scratch_ / "page.html").string() + "#zoom=1.6", {800, 640});
@@ -69,7 +69,7 @@ TEST_F(WebPageInABrowser, FollowsTheHand) {
 }
 
 // The device's sensor, as the browser has it.
-TEST_F(WebPageInABrowser, FollowsHowTheDeviceIsHeld) {
+TP_LONG TEST_F(WebPageInABrowser, FollowsHowTheDeviceIsHeld) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page.html", s, {.title = "Ridges"});
     for (const char* name : {"accelerometer", "gyroscope"})
@@ -98,7 +98,7 @@ TEST_F(WebPageInABrowser, FollowsHowTheDeviceIsHeld) {
 
 // A link that is followed within the page, as between figures of a text; and numbers that nobody could reach
 // by hand.
-TEST_F(WebPageInABrowser, FollowsLinksAndShowsWhatCanBeShown) {
+TP_LONG TEST_F(WebPageInABrowser, FollowsLinksAndShowsWhatCanBeShown) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
     open("file://" + (scratch_ / "page.html").string() + "#zoom=1&azimuth=20&elevation=500&exposure=99");
     const auto angles_are = [&](const std::string& text) {
@@ -141,7 +141,7 @@ TEST(WebPage, FalseColoursBeginAndEndAsInTheWindow) {
 }
 
 // Every control can be reached, also on a phone.
-TEST_F(WebPageInABrowser, HasAllControlsOnAnyScreen) {
+TP_LONG TEST_F(WebPageInABrowser, HasAllControlsOnAnyScreen) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {.title = "Ridges"});
     for (const glm::ivec2 screen : {glm::ivec2{360, 640}, {844, 390}, {768, 1024}, {1366, 768}}) {
         open_at("file://" + (scratch_ / "page.html").string(), screen);
@@ -159,7 +159,7 @@ TEST_F(WebPageInABrowser, HasAllControlsOnAnyScreen) {
 }
 
 // What is painted below a pane: with the panes hidden the screen shows there what is around the painting.
-TEST_F(WebPageInABrowser, BeginsBesideItsCaption) {
+TP_LONG TEST_F(WebPageInABrowser, BeginsBesideItsCaption) {
     for (const glm::ivec2 painting : {glm::ivec2{300, 200}, {200, 300}}) {
         write_web_page(scratch_ / "page.html", painted_surface(painting.x, painting.y),
                        {.title = "Ridges and grains", .credit = "A. Painter, 1901"});
@@ -183,7 +183,7 @@ TEST_F(WebPageInABrowser, BeginsBesideItsCaption) {
     }
 }
 
-TEST_F(WebPageInABrowser, SaysWhatTheBrowserLacks) {
+TP_LONG TEST_F(WebPageInABrowser, SaysWhatTheBrowserLacks) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight), {});
     browser_.emplace(scratch_.path(), std::vector<std::string>{"--disable-3d-apis"});
     browser_->open("file://" + (scratch_ / "page.html").string(), kScreenWidth, kScreenHeight);
@@ -194,7 +194,7 @@ TEST_F(WebPageInABrowser, SaysWhatTheBrowserLacks) {
 }
 
 // A tile that is missing is told and tried again; coarser ones stand in.
-TEST_F(WebPageInABrowser, ShowsWhatThereIs) {
+TP_LONG TEST_F(WebPageInABrowser, ShowsWhatThereIs) {
     const Surface s = painted_surface(kWidth, kHeight);
     write_web_page(scratch_ / "page", s, {});
     fs::rename(scratch_ / "page/parts/0/1_0.js", scratch_ / "kept.js");
