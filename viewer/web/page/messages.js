@@ -69,8 +69,9 @@ export function handlersOf({state, data, notes, select, ask, snapshot}) {
 export class Messages {
   // origins: of --embed-origin, "*" for all. handlers: name -> what a message is answered with, or a promise of it; throws Error.
   constructor(origins, handlers) {
-    Object.assign(this, {origins, handlers, listeners: new Map()});
-    window.addEventListener('message', event => this.hear(event));
+    Object.assign(this, {origins, handlers, listeners: new Map(), heard: Promise.resolve()});
+    // One after another: a picture is of what was set before it was asked for.
+    window.addEventListener('message', event => { this.heard = this.heard.then(() => this.hear(event)).catch(console.error); });
     for (const page of [window.parent, window.opener])
       if (page && page !== window) for (const origin of this.greeted()) page.postMessage({tangipaint: 'ready', version: messageVersion}, origin);
   }

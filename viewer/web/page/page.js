@@ -256,8 +256,8 @@ function drawn(shape) {
 async function picture() {
   const waits = performance.now() + 20000;
   while (!states.complete(curtain.shown, state.shadows) && performance.now() < waits) await new Promise(resolve => setTimeout(resolve, 50));
-  const png = await snapshot(canvas, at('overlay'), () => draw(false, 1), state.curtain ? state.divider * screen.width : null);
-  return withWords(png, {Title: data.title, Author: data.creator, Copyright: data.credit, Description: lightWords(data, state), Source: data.id === data.title ? '' : data.id, Software: data.software});
+  const words = {Title: data.title, Author: data.creator, Copyright: data.credit, Description: lightWords(data, state), Source: data.id === data.title ? '' : data.id, Software: data.software};
+  return withWords(await snapshot(canvas, at('overlay'), () => draw(false, 1), state.curtain ? state.divider * screen.width : null), words);
 }
 
 // What is shown, to pages that listen, where it has changed.
