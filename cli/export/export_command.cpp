@@ -7,6 +7,7 @@
 #include "cli/export/exporter.h"
 #include "paint/files/canvas_file.h"
 #include "surface/image_file/image_io.h"
+#include "surface/publish/web_annotations.h"
 
 namespace tangi {
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "surface/base/words.h"
 #include "surface/base/error.h"
 #include "surface/base/html_escape.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 #include "surface/publish/selector_check.h"
 #include "surface/publish/svg_elements.h"
 #include "surface/publish/svg_path.h"

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "surface/base/words.h"
 #include "surface/base/json_text.h"
+#include "surface/base/words.h"
 #include "surface/publish/svg_elements.h"
 
 namespace tangi {

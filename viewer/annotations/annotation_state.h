@@ -29,7 +29,9 @@ struct AnnotationAct {
 };
 
 struct AnnotationState {
-    static constexpr int kFramesToType = 3;  // as the file dialog's name takes
+    // The field has the keyboard two frames after it asked for it, or after the pointer let go; it is known a
+    // frame later that keys are text.
+    static constexpr int kFramesToType = 12, kFramesToKnow = 2;
 
     Annotations items;
     std::string chosen;                           // id; empty: none

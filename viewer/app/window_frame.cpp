@@ -45,12 +45,14 @@ void WindowApp::take_input(std::deque<InputEvent> events) {
         const bool types = panel_input_.waits() && ImGui::GetIO().WantTextInput;
         if (types && event.kind == InputEvent::Kind::press) break;
         events.pop_front();
+        const bool field_comes = state_.annotations.until_typed > 0;
         panel_input_.put(event);
-        hand_->take(
-            event, screen_, left_, panels_busy,
-            dialog_ || unfolded || state_.annotations.until_typed > 0 || ImGui::GetIO().WantTextInput);
+        hand_->take(event, screen_, left_, panels_busy,
+                    dialog_ || unfolded || field_comes || ImGui::GetIO().WantTextInput);
         if (event.kind != InputEvent::Kind::key && state_.annotations.acts.empty()) continue;
         requests();
+        // The key that asks for a field is not meant for it: Enter would end it.
+        if (!field_comes && state_.annotations.until_typed > 0) panel_input_.take_back_key();
         undecided = dialog_ && (event.code == GLFW_KEY_ESCAPE || event.code == GLFW_KEY_ENTER ||
                                 event.code == GLFW_KEY_KP_ENTER);
         if (undecided) held_frames_ = kMostHeldFrames;

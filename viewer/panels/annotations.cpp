@@ -51,7 +51,8 @@ void list_of_annotations(WindowState& s) {
 void text_field(WindowState& s) {
     AnnotationState& a = s.annotations;
     ImGui::PushID(a.chosen.c_str());  // else what is in the field would go to the next one that is chosen
-    if (a.until_typed == AnnotationState::kFramesToType) {
+    // Again and again: a press on the painting in the same frame takes the keyboard away.
+    if (a.until_typed > 0) {
         ImGui::SetScrollHereY();
         ImGui::SetKeyboardFocusHere();
     }
@@ -59,6 +60,7 @@ void text_field(WindowState& s) {
     const bool changed =
         ImGui::InputTextMultiline("##text", &a.typed, {-1, high}, ImGuiInputTextFlags_CtrlEnterForNewLine);
     if (ImGui::IsItemActivated()) a.typing = false;
+    if (ImGui::IsItemActive()) a.until_typed = std::min(a.until_typed, AnnotationState::kFramesToKnow);
     if (changed) {
         // What Escape takes back is a step of its own, so that undo brings it again.
         const bool goes_on = a.typing && ImGui::IsItemActive();

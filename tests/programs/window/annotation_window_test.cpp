@@ -11,7 +11,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using Kind = AnnotationKind;
+using Drawn = AnnotationKind;
 
 class AnnotationWindow : public Window {
 protected:
@@ -52,7 +52,7 @@ protected:
     }
     // But for the ends of scales, which are the painting's.
     static std::string seen_in(const std::string& words) { return words.substr(0, words.find("&lowest=")); }
-    void expect_near(const Annotation& annotation, Kind kind, const std::vector<glm::dvec2>& ring) {
+    void expect_near(const Annotation& annotation, Drawn kind, const std::vector<glm::dvec2>& ring) {
         EXPECT_EQ(annotation.shape.kind, kind);
         ASSERT_EQ(annotation.shape.rings[0].size(), ring.size());
         for (std::size_t i = 0; i < ring.size(); ++i)  // a pixel of the screen is a quarter of the painting's
@@ -91,10 +91,10 @@ TEST_F(AnnotationWindow, DrawsWritesAndSavesEachKind) {
     save();
     const Annotations all = in_file(saved_);
     ASSERT_EQ(all.size(), 4u);
-    expect_near(*all[0], Kind::point, {{40, 30}});
-    expect_near(*all[1], Kind::line, {{60, 20}, {110, 30}});
-    expect_near(*all[2], Kind::polygon, {{70, 50}, {100, 50}, {100, 70}});
-    expect_near(*all[3], Kind::text, {{20, 60}});
+    expect_near(*all[0], Drawn::point, {{40, 30}});
+    expect_near(*all[1], Drawn::line, {{60, 20}, {110, 30}});
+    expect_near(*all[2], Drawn::polygon, {{70, 50}, {100, 50}, {100, 70}});
+    expect_near(*all[3], Drawn::text, {{20, 60}});
     EXPECT_EQ(all[0]->text, "A loss, <old>");
     EXPECT_EQ(all[3]->text, "Signature");
     EXPECT_THAT(all[3]->json["target"]["source"].get<std::string>(), testing::StartsWith("urn:tangipaint:"));
@@ -153,7 +153,7 @@ TEST_F(AnnotationWindow, WorksByKeysAlone) {
     Annotations now = kept(1, "by keys");
     ASSERT_EQ(now.size(), 1u);
     const double step = 10 / state_.view.zoom;
-    expect_near(*now[0], Kind::polygon,
+    expect_near(*now[0], Drawn::polygon,
                 {{79.5, 59.5}, {79.5 + 2 * step, 59.5}, {79.5 + 2 * step, 59.5 + 2 * step}});
     screen_->key("F2");
     screen_->settled();
@@ -186,12 +186,12 @@ TEST_F(AnnotationWindow, CornersCanBeMoved) {
     EXPECT_TRUE(Screen::until(
         [&] { return fs::exists(unsaved_) && in_file(unsaved_)[0]->shape.rings[0][1].y > 69; }));
     const Annotations now = in_file(unsaved_);
-    expect_near(*now[0], Kind::line, {{60, 20}, {120, 70}});
+    expect_near(*now[0], Drawn::line, {{60, 20}, {120, 70}});
     EXPECT_EQ(now[0]->text, "A crack");
     screen_->key("ctrl+z");
     screen_->settled();
     save();
-    expect_near(*in_file(saved_)[0], Kind::line, {{60, 20}, {110, 30}});
+    expect_near(*in_file(saved_)[0], Drawn::line, {{60, 20}, {110, 30}});
     EXPECT_EQ(close().code, 0);
 }
 

@@ -22,7 +22,7 @@ json svg_selector(const std::string& shape) {
     return {{"type", "SvgSelector"},
             {"value", "<svg xmlns='http://www.w3.org/2000/svg'>" + shape + "</svg>"}};
 }
-AnnotationShape shape_of(const std::string& svg) { return shape_of_selector(svg_selector(svg), 200, 100); }
+AnnotationShape shape_drawn(const std::string& svg) { return shape_of_selector(svg_selector(svg), 200, 100); }
 
 TEST(AnnotationShapes, AreTheSameOnceWrittenAndRead) {
     for (const AnnotationShape& shape :
@@ -43,17 +43,19 @@ TEST(AnnotationShapes, AreTheSameOnceWrittenAndRead) {
 }
 
 TEST(AnnotationShapes, OfOthersAreRead) {
-    EXPECT_EQ(shape_of("<rect x='1' y='2' width='10' height='20'/>"),
+    EXPECT_EQ(shape_drawn("<rect x='1' y='2' width='10' height='20'/>"),
               (AnnotationShape{Kind::polygon, {{{0.5, 1.5}, {10.5, 1.5}, {10.5, 21.5}, {0.5, 21.5}}}}));
-    EXPECT_EQ(shape_of("<line x1='1' y1='2' x2='3' y2='4'/>"),
+    EXPECT_EQ(shape_drawn("<line x1='1' y1='2' x2='3' y2='4'/>"),
               (AnnotationShape{Kind::line, {{{0.5, 1.5}, {2.5, 3.5}}}}));
-    const AnnotationShape circle = shape_of("<circle cx='50.5' cy='40.5' r='20'/>");
+    const AnnotationShape circle = shape_drawn("<circle cx='50.5' cy='40.5' r='20'/>");
     EXPECT_EQ(circle.kind, Kind::polygon);
     for (const glm::dvec2& p : circle.rings[0]) EXPECT_NEAR(glm::length(p - glm::dvec2(50, 40)), 20, 1e-9);
     EXPECT_EQ(
-        shape_of("<polygon points='1,1 2,1 2,2'/><rect x='0' y='0' width='1' height='1'/>").rings.size(), 2u)
+        shape_drawn("<polygon points='1,1 2,1 2,2'/><rect x='0' y='0' width='1' height='1'/>").rings.size(),
+        2u)
         << "both are the place";
-    EXPECT_EQ(shape_of("<line x1='1' y1='2' x2='3' y2='4'/><circle cx='1' cy='1' r='1'/>").rings.size(), 1u);
+    EXPECT_EQ(shape_drawn("<line x1='1' y1='2' x2='3' y2='4'/><circle cx='1' cy='1' r='1'/>").rings.size(),
+              1u);
     const json percent = selector_of("http://a.example/canvas#xywh=percent:10,10,50,20");
     EXPECT_EQ(shape_of_selector(percent, 200, 100),
               (AnnotationShape{Kind::polygon, {{{19.5, 9.5}, {119.5, 9.5}, {119.5, 29.5}, {19.5, 29.5}}}}));
@@ -64,7 +66,7 @@ TEST(AnnotationShapes, OfOthersAreRead) {
                              {{"type", "PointSelector"}, {"x", 1}, {"y", 2}}}}})["type"],
               "PointSelector");
     EXPECT_TRUE(selector_of("http://a.example/canvas").is_null());
-    EXPECT_THAT(error_of([] { shape_of("<path d='MA1 2 3'/>"); }), HasSubstr("without numbers"));
+    EXPECT_THAT(error_of([] { shape_drawn("<path d='MA1 2 3'/>"); }), HasSubstr("without numbers"));
 }
 
 TEST(SvgPaths, BecomeOutlines) {

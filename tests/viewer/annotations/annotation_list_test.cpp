@@ -13,11 +13,11 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using Kind = AnnotationKind;
+using Drawn = AnnotationKind;
 
-const AnnotatedPicture kPainting{"urn:tangipaint:0", 200, 100};
+const AnnotatedPicture kListPicture{"urn:tangipaint:0", 200, 100};
 
-AnnotationShape point_at(double x, double y) { return {Kind::point, {{{x, y}}}}; }
+AnnotationShape point_at(double x, double y) { return {Drawn::point, {{{x, y}}}}; }
 
 std::vector<std::string> texts_of(const Annotations& annotations) {
     std::vector<std::string> texts;
@@ -26,7 +26,7 @@ std::vector<std::string> texts_of(const Annotations& annotations) {
 }
 
 TEST(AnnotationLists, UndoWhatWasDoneInSteps) {
-    AnnotationList list({}, kPainting);
+    AnnotationList list({}, kListPicture);
     EXPECT_FALSE(list.unsaved() || list.can_undo() || list.can_redo());
     const std::string a = list.add(point_at(1, 2), "azimuth=20");
     for (const char* typed : {"c", "cr", "crack"}) list.set_text(a, typed, *typed && typed[1]);
@@ -62,7 +62,7 @@ TEST(AnnotationLists, UndoWhatWasDoneInSteps) {
 
 class AnnotationDocuments : public testing::Test {
 protected:
-    AnnotationDocument open(bool only_looks = false) { return {painting_, kPainting, only_looks}; }
+    AnnotationDocument open(bool only_looks = false) { return {painting_, kListPicture, only_looks}; }
     // With one of this text, not saved.
     AnnotationDocument annotated(const std::string& text) {
         AnnotationDocument document = open();
@@ -149,7 +149,7 @@ TEST_F(AnnotationDocuments, GoWithAPaintingThatIsSavedUnderAnotherName) {
     painting_ = folder_ / "b.exr";
     EXPECT_THAT(texts(), ElementsAre("mine"));
     // One that has none leaves none there that are not its own.
-    AnnotationDocument none(folder_ / "c.exr", kPainting, false);
+    AnnotationDocument none(folder_ / "c.exr", kListPicture, false);
     none.save_beside(painting_);
     EXPECT_TRUE(texts().empty());
 }
@@ -157,7 +157,7 @@ TEST_F(AnnotationDocuments, GoWithAPaintingThatIsSavedUnderAnotherName) {
 TEST_F(AnnotationDocuments, LoadOthersAsAWholeOrNotAtAll) {
     AnnotationDocument document = annotated("mine");
     const std::string id = document.list().now()[0]->id;
-    nlohmann::json other = new_annotation(point_at(300, 6), "", kPainting),
+    nlohmann::json other = new_annotation(point_at(300, 6), "", kListPicture),
                    newer = document.list().now()[0]->json;
     newer["bodyValue"] = "newer";
     write_bytes(folder_ / "more.json", text_of_page({newer, other}));
@@ -170,8 +170,7 @@ TEST_F(AnnotationDocuments, LoadOthersAsAWholeOrNotAtAll) {
     EXPECT_THAT(texts_of(document.list().now()), ElementsAre("mine")) << "one step";
     other["target"]["selector"] = {{"type", "SvgSelector"}, {"value", "<svg><path d='MA1 2 3'/></svg>"}};
     write_bytes(folder_ / "bad.json", text_of_page({newer, other}));
-    EXPECT_THAT(error_of([&] { document.load(folder_ / "bad.json"); }),
-                HasSubstr("bad.json: item 2 ("));
+    EXPECT_THAT(error_of([&] { document.load(folder_ / "bad.json"); }), HasSubstr("bad.json: item 2 ("));
     EXPECT_THAT(error_of([&] { document.load(folder_ / "nowhere.json"); }), HasSubstr("nowhere.json"));
     EXPECT_THAT(texts_of(document.list().now()), ElementsAre("mine"));
     document.write_to(folder_ / "copy.json");
@@ -179,7 +178,7 @@ TEST_F(AnnotationDocuments, LoadOthersAsAWholeOrNotAtAll) {
 }
 
 TEST_F(AnnotationDocuments, ThatCannotBeWrittenStayUnsaved) {
-    AnnotationDocument document(folder_ / "gone" / "a.exr", kPainting, false);
+    AnnotationDocument document(folder_ / "gone" / "a.exr", kListPicture, false);
     document.list().add(point_at(1, 2), "");
     EXPECT_THAT(error_of([&] { document.keep(); }), HasSubstr("a.annotations.unsaved.json"));
     EXPECT_THAT(error_of([&] { document.save(); }), HasSubstr("a.annotations.json"));

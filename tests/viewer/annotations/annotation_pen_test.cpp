@@ -13,15 +13,15 @@ namespace {
 using testing::IsEmpty;
 using testing::SizeIs;
 using Act = AnnotationAct::Kind;
-using Kind = AnnotationKind;
+using Drawn = AnnotationKind;
 
-constexpr Extent kPainting{400, 300}, kScreen{800, 600};
+constexpr Extent kPenPainting{400, 300}, kPenScreen{800, 600};
 
 class AnnotationPens : public testing::Test {
 protected:
     AnnotationPen::Screen screen() const {
         const Placement::Pose pose{.tilt = {.angle_deg = tilt_deg_}};
-        return {Placement(view_, pose, kPainting, kScreen, 0.1), kPainting, kScreen, 1};
+        return {Placement(view_, pose, kPenPainting, kPenScreen, 0.1), kPenPainting, kPenScreen, 1};
     }
     glm::dvec2 seen(const glm::dvec2& at) const { return screen().placement.to_screen(at); }
     void press(const glm::dvec2& at) { pen_.press(screen(), seen(at), at); }
@@ -61,9 +61,9 @@ protected:
     }
 
     AnnotationState state_;
-    AnnotationList list_{{}, {"", kPainting.width, kPainting.height}};
+    AnnotationList list_{{}, {"", kPenPainting.width, kPenPainting.height}};
     AnnotationPen pen_{state_};
-    View view_ = fitted(kPainting, kScreen);
+    View view_ = fitted(kPenPainting, kPenScreen);
     glm::dvec2 tilt_deg_{0};
 };
 
@@ -76,44 +76,44 @@ TEST_F(AnnotationPens, DrawEachKindWhereThePointerWas) {
                 const glm::dvec2 a(180, 120), b = a + glm::dvec2(60, 5) / zoom,
                                               c = a + glm::dvec2(30, 50) / zoom;
                 state_ = {};
-                list_ = {{}, {"", kPainting.width, kPainting.height}};
+                list_ = {{}, {"", kPenPainting.width, kPenPainting.height}};
                 click(a);
-                expect_placed({Kind::point, {{a}}});
+                expect_placed({Drawn::point, {{a}}});
                 state_.shown = false;  // marks are no targets
-                state_.kind = Kind::text;
+                state_.kind = Drawn::text;
                 drag(a, b);
-                expect_placed({Kind::text, {{b}}});
-                state_.kind = Kind::line;
+                expect_placed({Drawn::text, {{b}}});
+                state_.kind = Drawn::line;
                 drag(a, b);
-                expect_placed({Kind::line, {{a, b}}});
+                expect_placed({Drawn::line, {{a, b}}});
                 click(a);
                 EXPECT_THAT(acts(), IsEmpty()) << "its end is where the next click is";
                 click(b);
-                expect_placed({Kind::line, {{a, b}}});
-                state_.kind = Kind::polygon;
+                expect_placed({Drawn::line, {{a, b}}});
+                state_.kind = Drawn::polygon;
                 for (const glm::dvec2& corner : {a, b, c}) click(corner);
                 EXPECT_THAT(acts(), IsEmpty());
                 click(a);
-                expect_placed({Kind::polygon, {{a, b, c}}});
+                expect_placed({Drawn::polygon, {{a, b, c}}});
                 for (const glm::dvec2& corner : {a, b, c, c}) click(corner);  // as a double click
-                expect_placed({Kind::polygon, {{a, b, c}}});
+                expect_placed({Drawn::polygon, {{a, b, c}}});
             }
 }
 
 TEST_F(AnnotationPens, StayOnThePainting) {
     click({-30, 500});
-    expect_placed({Kind::point, {{{-0.5, 299.5}}}});
-    state_.kind = Kind::line;
+    expect_placed({Drawn::point, {{{-0.5, 299.5}}}});
+    state_.kind = Drawn::line;
     drag({10, 10}, {900, 40});
-    expect_placed({Kind::line, {{{10, 10}, {399.5, 40}}}});
+    expect_placed({Drawn::line, {{{10, 10}, {399.5, 40}}}});
 }
 
 TEST_F(AnnotationPens, ChooseAndMoveWhatIsThere) {
-    state_.kind = Kind::polygon;
+    state_.kind = Drawn::polygon;
     for (const glm::dvec2& corner : {glm::dvec2(100, 100), {200, 100}, {200, 200}, {100, 100}}) click(corner);
     acts();
     const std::string polygon = state_.chosen;
-    state_.kind = Kind::point;
+    state_.kind = Drawn::point;
     click({300, 50});
     acts();
     const std::string point = state_.chosen;
@@ -144,7 +144,7 @@ TEST_F(AnnotationPens, ChooseAndMoveWhatIsThere) {
 
 TEST_F(AnnotationPens, DrawByKeysAlone) {
     view_ = {{200, 150}, 2, 90};  // turned: up on the screen is to the right... of the painting
-    state_.kind = Kind::polygon;
+    state_.kind = Drawn::polygon;
     key(GLFW_KEY_ENTER);
     key(GLFW_KEY_RIGHT, 4);
     key(GLFW_KEY_ENTER);
@@ -152,13 +152,13 @@ TEST_F(AnnotationPens, DrawByKeysAlone) {
     key(GLFW_KEY_DOWN);
     key(GLFW_KEY_ENTER);
     key(GLFW_KEY_ENTER);  // the same place again: it is closed
-    expect_placed({Kind::polygon, {{{200, 150}, {200, 170}, {194, 170}}}});
-    state_.kind = Kind::point;
+    expect_placed({Drawn::polygon, {{{200, 150}, {200, 170}, {194, 170}}}});
+    state_.kind = Drawn::point;
     key(GLFW_KEY_LEFT, 2);
     key(GLFW_KEY_ENTER);
-    expect_placed({Kind::point, {{{194, 160}}}});
+    expect_placed({Drawn::point, {{{194, 160}}}});
     // What is drawn can be given up, and the last point of it.
-    state_.kind = Kind::polygon;
+    state_.kind = Drawn::polygon;
     key(GLFW_KEY_ENTER);
     key(GLFW_KEY_LEFT);
     key(GLFW_KEY_ENTER);
@@ -181,7 +181,7 @@ TEST_F(AnnotationPens, TheViewFollowsTheCrosshair) {
     ASSERT_TRUE(state_.cross);
     EXPECT_NEAR(state_.cross->x, 230, 1e-6);
     const glm::dvec2 at = seen(*state_.cross);
-    EXPECT_TRUE(at.x >= 0 && at.x <= kScreen.width);
+    EXPECT_TRUE(at.x >= 0 && at.x <= kPenScreen.width);
     key(GLFW_KEY_RIGHT, 2000);
     EXPECT_EQ(state_.cross->x, 399.5) << "on the painting";
 }
