@@ -7,6 +7,7 @@
 #include "cli/export/exporter.h"
 #include "paint/files/canvas_file.h"
 #include "surface/image_file/image_io.h"
+#include "surface/publish/web_annotations.h"
 
 namespace tangi {
 
@@ -54,7 +55,10 @@ nlohmann::json run_export(const ExportArguments& a) {
         if (!canvas) canvas.emplace(read_canvas(a.painting, progress));
         return *canvas;
     };
-    return exporter_named(a.to).write({a, read, nullptr, progress});
+    const auto annotations = [&] {
+        return read_annotations(a.annotations, "--annotations " + a.annotations);
+    };
+    return exporter_named(a.to).write({a, read, nullptr, progress, annotations});
 }
 
 std::vector<std::string> names_of_exporters() {
@@ -84,14 +88,15 @@ std::string help_of_exporters() {
 
 }  // namespace
 
-nlohmann::json export_canvas(const Canvas& canvas, const std::vector<PartToWrite>& tools,
-                             const std::filesystem::path& painting, const std::string& format,
+nlohmann::json export_canvas(const ShownPainting& shown, const std::string& format,
                              const std::filesystem::path& out, const Progress& progress) {
     ExportArguments a;
-    a.painting = painting.string();
+    a.painting = shown.file.string();
     a.to = format;
     a.out = out.string();
-    return exporter_named(format).write({a, [&]() -> const Canvas& { return canvas; }, &tools, progress});
+    const auto canvas = [&]() -> const Canvas& { return shown.canvas; };
+    const auto annotations = [&] { return shown.annotations; };
+    return exporter_named(format).write({a, canvas, &shown.tools, progress, annotations});
 }
 
 std::vector<ExportFormat> exports_of_window() {

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "cli/arguments.h"
-#include "cli/export/annotations_file.h"
 #include "cli/export/exporter.h"
+#include "cli/export/openlime_annotations.h"
 #include "fit/exchange/export_maps.h"
 #include "surface/base/html_escape.h"
 #include "surface/base/json_reading.h"
@@ -147,7 +147,7 @@ std::vector<std::string> lost_to_openlime(const std::string& painting, const Sur
 }  // namespace
 
 nlohmann::json export_openlime(const ExportJob& job) {
-    const nlohmann::json annotations = read_annotations(job.arguments.annotations);
+    const nlohmann::json annotations = job.annotations();
     const std::shared_ptr<const Surface> surface = job.seen_in_scale();
     nlohmann::json result = export_folder(job.arguments.out, "brdf.json", [&](const fs::path& folder) {
         write_openlime(folder, *surface, job.progress);

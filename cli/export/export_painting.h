@@ -6,18 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "paint/canvas/canvas.h"
 #include "surface/base/progress.h"
-#include "surface/painting_file/painting_parts.h"
 #include "viewer/model/export_format.h"
+#include "viewer/model/host_services.h"
 
 namespace tangi {
 
 // What `tangipaint export PAINTING --to FORMAT --out OUT` would write if the painting were saved as it is
-// now: what is on the canvas, and the palette and brush (palette_part.h). The painting's file need not be
-// there. Throws Error, UsageError, Cancelled.
-nlohmann::json export_canvas(const Canvas& canvas, const std::vector<PartToWrite>& tools,
-                             const std::filesystem::path& painting, const std::string& format,
+// now, with its annotations where the format takes them. The painting's file need not be there. Throws Error,
+// UsageError, Cancelled.
+nlohmann::json export_canvas(const ShownPainting& shown, const std::string& format,
                              const std::filesystem::path& out, const Progress& progress);
 
 // Those of `tangipaint export` that the window offers, in the order of its menu.

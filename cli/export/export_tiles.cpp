@@ -5,7 +5,6 @@
 
 #include "cli/arguments.h"
 #include "cli/command.h"
-#include "cli/export/annotations_file.h"
 #include "cli/export/exporter.h"
 #include "surface/base/error.h"
 #include "surface/base/json_reading.h"
@@ -138,8 +137,7 @@ json manifest_of(const ExportJob& job, const PaintingHeader& painting, const std
                  {"width", painting.width},
                  {"height", painting.height},
                  {"items", {{{"id", canvas + "/painting"}, {"type", "AnnotationPage"}, {"items", {shown}}}}}};
-    if (const json notes_on_it = annotations_on(canvas, read_annotations(job.arguments.annotations));
-        !notes_on_it.empty())
+    if (const json notes_on_it = annotations_on(canvas, job.annotations()); !notes_on_it.empty())
         page["annotations"] = {
             {{"id", canvas + "/annotations"}, {"type", "AnnotationPage"}, {"items", notes_on_it}}};
     manifest["items"] = json::array({page});
@@ -160,7 +158,7 @@ json export_iiif(const ExportJob& job) {
     const ExportArguments& a = job.arguments;
     const std::string url = url_of(a);
     const std::shared_ptr<const PaintingReader> painting = job.seen_by_parts();
-    read_annotations(a.annotations);  // what is wrong with them is known before the work
+    job.annotations();  // what is wrong with them is known before the work
     const PictureStorage storage{.jpeg_quality = kTileQuality};
     json result = export_folder(a.out, kFiles, [&](const fs::path& folder) {
         json choices = json::array();

@@ -6,7 +6,6 @@
 
 #include "cli/arguments.h"
 #include "cli/command.h"
-#include "cli/export/annotations_file.h"
 #include "cli/export/exporter.h"
 #include "cli/export/web_origin.h"
 #include "paint/canvas/appearance.h"
@@ -187,7 +186,7 @@ json export_web(const ExportJob& job) {
     words.title = notes.title;
     words.creator = a.creator;
     words.origins = origins_of(a);
-    words.annotations = read_annotations(a.annotations);  // what is wrong with them is known before the work
+    words.annotations = job.annotations();  // what is wrong with them is known before the work
     if (!notes.source.empty()) words.id = "urn:tangipaint:" + notes.source.substr(notes.source.find(':') + 1);
     const std::vector<WebState> states = states_of(job);
     words.linked = linked_data(job, *states.back().surface, notes);

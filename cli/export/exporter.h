@@ -42,6 +42,8 @@ struct ExportJob {
     std::function<const Canvas&()> canvas;  // with its layers; read from the file when it is asked for
     const std::vector<PartToWrite>* tools;  // palette and brush of now; null: those in the painting's file
     const Progress& progress;
+    // Those that go along (surface/publish/web_annotations.h). Throws Error naming the file.
+    std::function<nlohmann::json()> annotations;
 
     std::shared_ptr<const Surface> seen() const;           // the painting as it looks
     std::shared_ptr<const Surface> seen_in_scale() const;  // and in millimetres, where a scale was given

@@ -63,10 +63,9 @@ HostServices workshop_of(const PaintArguments& a) {
         const nlohmann::json result = fit_folder(photographs, out, progress);
         return std::string();  // its doubts are kept with the painting, which tells them when it is opened
     };
-    workshop.export_canvas = [](const Canvas& canvas, const std::vector<PartToWrite>& tools,
-                                const fs::path& painting, const std::string& format, const fs::path& out,
+    workshop.export_canvas = [](const ShownPainting& shown, const std::string& format, const fs::path& out,
                                 const Progress& progress) {
-        const nlohmann::json result = export_canvas(canvas, tools, painting, format, out, progress);
+        const nlohmann::json result = export_canvas(shown, format, out, progress);
         return result.contains("warnings")
                    ? fmt::format("{}", fmt::join(result["warnings"].get<std::vector<std::string>>(), "; "))
                    : std::string();

@@ -7,9 +7,9 @@
 
 namespace tangi {
 
-// [bytes] What the names that lie beside a painting have more than its own: "x.discarded-99.jsonl" beside
-// "x.exr" (viewer/model/crash_recovery.h).
-inline constexpr std::size_t kBesideName = 17;
+// [bytes] What the names that lie beside a painting have more than its own: "x.annotations.unsaved.json"
+// beside "x.exr" (viewer/annotations/annotation_document.h).
+inline constexpr std::size_t kBesideName = 21;
 
 // Why no file can be written under this name: with what is put round it until it is whole
 // (stale_temporaries.h), and `beside` more bytes, it is longer than the file system of its folder takes. Says

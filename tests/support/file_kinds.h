@@ -30,6 +30,7 @@
 #include "surface/file/sha256.h"
 #include "surface/maps/photography_json.h"
 #include "surface/painting_file/overview.h"
+#include "surface/publish/web_annotations.h"
 #include "tests/support/capture/picture_metadata.h"
 #include "tests/support/test_support.h"
 
@@ -183,6 +184,18 @@ inline void read_sealed_log(const std::filesystem::path& path) {
     require_form(TreatmentLog::open(log));
 }
 
+// What the window does with each.
+inline void read_notes(const std::filesystem::path& path) {
+    const nlohmann::json items = read_annotations(path.string(), path.string());
+    for (const nlohmann::json& item : items) {
+        const AnnotationShape shape = shape_of_selector(selector_of(item["target"]), 400, 300);
+        const nlohmann::json changed =
+            changed_annotation(item, {.shape = shape, .text = text_of_annotation(item)}, {"", 400, 300});
+        (void)number_in_view(view_of_annotation(changed), "azimuth");
+    }
+    (void)text_of_page(items);
+}
+
 inline std::vector<FileKind> text_kinds() {
     std::string lights = "5\n", chart = "name,R,G,B\n";
     for (int i = 0; i < kChartPatches; ++i) chart += fmt::format("p{},0.{},0.2,0.3\n", i, 1 + i % 9);
@@ -249,6 +262,20 @@ inline std::vector<FileKind> text_kinds() {
          "{\"a\": [\"brackets.json\", {\"file\": \"brackets.json\", \"exposure\": 0.5}],\n\"b\": "
          "[\"brackets.json\"]}",
          [](const std::filesystem::path& path) { read_brackets(path, path.parent_path()); }},
+        {"annotations.json",
+         "{\"@context\": \"http://www.w3.org/ns/anno.jsonld\", \"type\": \"AnnotationPage\", \"items\": [\n"
+         "{\"type\": \"Annotation\", \"id\": \"urn:a\", \"body\": [{\"type\": \"TextualBody\", \"value\": "
+         "\"A "
+         "loss\"}], \"target\": {\"source\": \"urn:p\", \"selector\": {\"type\": \"SvgSelector\", \"value\": "
+         "\"<svg "
+         "xmlns='http://www.w3.org/2000/svg'><path d='M1 1c2 3 4 5 6 7A9 9 20 0 1 30 40Z'/><polygon "
+         "points='1,2 3,4 "
+         "5,6'/></svg>\"}, \"state\": {\"type\": \"urn:tangipaint:View\", \"value\": "
+         "\"azimuth=20&elevation=30\"}}},\n{\"type\": \"Annotation\", \"bodyValue\": \"all\", \"target\": "
+         "\"http://a.example/p#xywh=percent:1,2,3,4\"},\n{\"type\": \"Annotation\", \"target\": "
+         "[{\"selector\": "
+         "[{\"type\": \"PointSelector\", \"x\": 3, \"y\": 4.5}]}]}]}",
+         read_notes},
         {"pairs.json",
          "{\"format\": \"tangipaint pigment pairs\", \"version\": 1, \"pairs\": [{\"first\": "
          "[\"verdigris\"], "

@@ -135,6 +135,7 @@ void DocumentController::write_as(const ExportFormat& format, const fs::path& ou
         std::optional<Canvas> canvas;
         std::vector<PartToWrite> tools;
     };
+    const nlohmann::json annotations = json_of(state_.annotations.items);
     auto now = std::make_shared<Now>();
     // The painter may be gone before the job runs; it does first what it was asked for.
     std::shared_future<void> looked = painter
@@ -143,14 +144,14 @@ void DocumentController::write_as(const ExportFormat& format, const fs::path& ou
                                               now->tools = tools_of(session);
                                           })
                                           .share();
-    const bool started = start(
-        "exporting " + out.filename().string(), [this, name = std::string(format.format), out, now, looked,
-                                                 file = painter.file()](const Progress& progress) {
-            looked.get();
-            std::string said =
-                setup_.workshop.export_canvas(*now->canvas, now->tools, file, name, out, progress);
-            written_ = {out, in_panel_words(said)};
-        });
+    const bool started = start("exporting " + out.filename().string(),
+                               [this, name = std::string(format.format), out, now, looked, annotations,
+                                file = painter.file()](const Progress& progress) {
+                                   looked.get();
+                                   std::string said = setup_.workshop.export_canvas(
+                                       {*now->canvas, now->tools, annotations, file}, name, out, progress);
+                                   written_ = {out, in_panel_words(said)};
+                               });
     if (started) writes_ = true;
 }
 

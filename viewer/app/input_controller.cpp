@@ -17,6 +17,10 @@ constexpr double kShortestRuler_px = 2;  // [pixels of the painting] a click put
 
 Placement InputController::placement() const { return placement_of(state_, screen_); }
 
+AnnotationPen::Screen InputController::annotated() const {
+    return {placement(), state_.painting, screen_, static_cast<double>(state_.scale)};
+}
+
 StrokePoint InputController::point(const glm::dvec2& at, double time_s) const {
     StrokePoint point;
     point.time_s = std::max(0.0, time_s - stroke_began_s_);
@@ -173,6 +177,8 @@ InputController::Drag InputController::drag_for(const InputEvent& event) const {
             return Drag::ruler;
         case Tool::region:
             return Drag::region;
+        case Tool::annotate:
+            return compares ? otherwise : Drag::annotation;
     }
     return Drag::panel;
 }
@@ -206,6 +212,8 @@ void InputController::press(const InputEvent& event) {
         drag_ = Drag::panel;
         if (hit) press_on_mask(event, at);
     }
+    if (drag_ == Drag::annotation && event.code == GLFW_MOUSE_BUTTON_LEFT && hit)
+        annotator_.press(annotated(), cursor_, at);
     if (state_.tool == Tool::sample && event.code == GLFW_MOUSE_BUTTON_LEFT && hit)
         state_.treatment_state.ask.match_at = at;
     if (drag_ == Drag::paint && !begin_stroke(event, hit ? &at : nullptr)) drag_ = Drag::panel;
@@ -292,6 +300,8 @@ void InputController::move_on_painting(const InputEvent& event) {
             {MaskTouch::Kind::drag, {at.x + 0.5, at.y + 0.5}, mask_erases_});
     else if (drag_ == Drag::region)
         stretch_region(at);
+    else if (drag_ == Drag::annotation)
+        annotator_.drag(annotated(), at);
     else if (drag_ == Drag::ruler && state_.ruler)
         state_.ruler->second = at;
 }
@@ -314,6 +324,7 @@ void InputController::move(const InputEvent& event) {
         case Drag::mask:
         case Drag::region:
         case Drag::ruler:
+        case Drag::annotation:
             move_on_painting(event);
             break;
         case Drag::board:
@@ -363,7 +374,7 @@ void InputController::put_ruler_away() {
 }
 
 void InputController::end_stroke() {
-    if (drag_ == Drag::paint || drag_ == Drag::board || drag_ == Drag::mask) let_go();
+    if (draws() || drag_ == Drag::annotation) let_go();
 }
 
 void InputController::let_go() {
@@ -377,6 +388,7 @@ void InputController::let_go() {
             painter_.profile(state_.ruler->first, state_.ruler->second);
     }
     if (drag_ == Drag::region && state_.region) painter_.statistics(*state_.region);
+    if (drag_ == Drag::annotation) annotator_.release(annotated());
     drag_ = Drag::none;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "viewer/annotations/annotation_pen.h"
 #include "viewer/devices/input.h"
 #include "viewer/model/window_state.h"
 
@@ -13,7 +14,8 @@ inline constexpr int kAnotherWay = 0x0002 | 0x0004;  // GLFW_MOD_CONTROL, GLFW_M
 
 class InputController {
 public:
-    InputController(WindowState& state, Painter& painter) : state_(state), painter_(painter) {}
+    InputController(WindowState& state, Painter& painter)
+        : state_(state), painter_(painter), annotator_(state.annotations) {}
 
     // One event. `left`: where the canvas area begins [pixels of the window]; `panels_busy`: the panels take
     // it.
@@ -26,6 +28,7 @@ public:
     // The same, where what is held paints or draws: something else comes that has to find it done.
     void end_stroke();
     void put_ruler_away();
+    void show_panels() { panels_ = true; }
 
     const glm::dvec2& cursor() const { return cursor_; }  // [pixels of the canvas area]
     bool over_canvas() const { return over_canvas_; }
@@ -36,7 +39,21 @@ public:
     }
 
 private:
-    enum class Drag { none, tilt, light, pan, paint, size, ruler, region, divider, board, mask, panel };
+    enum class Drag {
+        none,
+        tilt,
+        light,
+        pan,
+        paint,
+        size,
+        ruler,
+        region,
+        annotation,
+        divider,
+        board,
+        mask,
+        panel
+    };
 
     void follow(const InputEvent& event, double left);
     void press(const InputEvent& event);
@@ -62,6 +79,9 @@ private:
     void press_on_mask(const InputEvent& event, const glm::dvec2& at);
     bool mask_key(const InputEvent& event);
     void close_polygon(bool erase);
+    bool annotation_key(const InputEvent& event);
+    void annotation_act(Action action);
+    AnnotationPen::Screen annotated() const;
     void treatment_act(Action action);
     void next_stage();
     Placement placement() const;
@@ -73,6 +93,7 @@ private:
 
     WindowState& state_;
     Painter& painter_;
+    AnnotationPen annotator_;
     Extent screen_;
     glm::dvec2 cursor_{0}, last_{0};
     bool over_canvas_ = false, panels_ = true, space_ = false;

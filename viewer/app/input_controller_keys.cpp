@@ -44,8 +44,9 @@ void InputController::key(const InputEvent& event) {
         return;
     }
     if (state_.tool == Tool::damage && mask_key(event)) return;
+    if (state_.tool == Tool::annotate && annotation_key(event)) return;
     if (event.code == GLFW_KEY_ENTER && event.mods == 0) {
-        if (state_.closing && (state_.painter.unsaved || state_.treatment_state.edits > 0))
+        if (state_.closing && state_.unsaved())
             state_.ask.save = state_.ask.close = true;
         else if (state_.left_over_strokes > 0)
             (state_.left_over_of_another ? state_.ask.discard : state_.ask.recover) = true;
@@ -76,7 +77,55 @@ void InputController::key(const InputEvent& event) {
     painting_act(*action);
     window_act(*action);
     file_act(*action);
+    annotation_act(*action);
     if (*action == Action::treatment || state_.treatment_state.on) treatment_act(*action);
+}
+
+// Keys of an annotation that is drawn, but where something is asked that they answer.
+bool InputController::annotation_key(const InputEvent& event) {
+    const bool asks = state_.closing || state_.finishing || state_.left_over_strokes > 0 ||
+                      !state_.dropped.empty() || state_.help || state_.new_canvas.open;
+    return !asks && !state_.comparing.on && annotator_.key(event.code, event.mods, annotated(), state_.view);
+}
+
+void InputController::annotation_act(Action action) {
+    AnnotationState& a = state_.annotations;
+    WindowState::Requests& ask = state_.ask;
+    switch (action) {
+        case Action::annotation_kind:
+            if (state_.tool == Tool::annotate)
+                a.kind = static_cast<AnnotationKind>((static_cast<int>(a.kind) + 1) % kAnnotationKinds);
+            else
+                end_stroke();
+            state_.tool = Tool::annotate;
+            break;
+        case Action::next_annotation:
+            ask.step_annotation = 1;
+            break;
+        case Action::previous_annotation:
+            ask.step_annotation = -1;
+            break;
+        case Action::annotation_text:
+            ask.write_text = true;
+            break;
+        case Action::annotation_view:
+            ask.keep_view = true;
+            break;
+        case Action::delete_annotation:
+            ask.remove_annotation = state_.tool == Tool::annotate;
+            break;
+        case Action::show_annotations:
+            a.shown = !a.shown;
+            break;
+        case Action::load_annotations:
+            ask.load_annotations_dialog = true;
+            break;
+        case Action::copy_annotations:
+            ask.copy_annotations_dialog = true;
+            break;
+        default:
+            break;
+    }
 }
 
 // What changes how the painting is seen.
@@ -147,10 +196,16 @@ void InputController::painting_act(Action action) {
             ask.dry = true;
             break;
         case Action::undo:
-            (state_.tool == Tool::damage ? state_.treatment_state.ask.undo : ask.undo) = true;
+            if (state_.tool == Tool::annotate)
+                ask.undo_annotation = !annotator_.step_back();
+            else
+                (state_.tool == Tool::damage ? state_.treatment_state.ask.undo : ask.undo) = true;
             break;
         case Action::redo:
-            (state_.tool == Tool::damage ? state_.treatment_state.ask.redo : ask.redo) = true;
+            if (state_.tool == Tool::annotate)
+                ask.redo_annotation = true;
+            else
+                (state_.tool == Tool::damage ? state_.treatment_state.ask.redo : ask.redo) = true;
             break;
         case Action::brush_smaller:
         case Action::brush_larger:

@@ -16,6 +16,10 @@ namespace tangi {
 class PanelInput {
 public:
     void put(const InputEvent& event) { events_.push_back(event); }
+    // What was put last is no key for the panels.
+    void take_back_key() {
+        if (!events_.empty() && events_.back().kind == InputEvent::Kind::key) events_.pop_back();
+    }
     bool waits() const { return !events_.empty(); }
     void clear() { events_.clear(); }
 

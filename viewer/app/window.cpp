@@ -176,12 +176,13 @@ void WindowApp::draw(bool moved) {
     for (int moment = 1;; ++moment) {
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
-        const auto [enter, escape] = panel_input_.feed(finger, !dialog_ || dialog_->ready_to_type());
+        const auto [enter, escape] = panel_input_.feed(finger, ready_to_type());
         if (dialog_ && enter) dialog_->enter();
         if (dialog_ && escape) dialog_->escape();
         ImGui::NewFrame();
         if (escape) PanelInput::close_popups();
         draw_panels(place);
+        if (state_.annotations.until_typed > 0) --state_.annotations.until_typed;
         ImGui::Render();
         if (const auto complaint = panels::number_complaint()) say(*complaint);
         if (!panel_input_.waits() || moment == kMostMoments) break;
@@ -193,6 +194,11 @@ void WindowApp::draw(bool moved) {
     glfwSwapBuffers(window_.handle());
     window_.require_device();
     ++result_.frames;
+}
+
+// What is typed has where to go.
+bool WindowApp::ready_to_type() const {
+    return dialog_ ? dialog_->ready_to_type() : state_.annotations.until_typed == 0;
 }
 
 // All of them as they are at this moment.

@@ -1,15 +1,18 @@
 // window_app.h: the window from inside: what there is of it, and what a frame does.
 //
-// In six parts: window_opening.cpp shows a painting, window_frame.cpp goes from frame to frame, window.cpp
+// In seven parts: window_opening.cpp shows a painting, window_frame.cpp goes from frame to frame, window.cpp
 // draws and animates, window_requests.cpp does what hand and panels ask for, window_dialogs.cpp asks for
-// files, window_paintings.cpp does what is about other paintings.
+// files, window_paintings.cpp does what is about other paintings, window_annotations.cpp what is about
+// annotations.
 #pragma once
 
 #include <deque>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "viewer/annotations/annotation_document.h"
 #include "viewer/app/comparison_textures.h"
 #include "viewer/app/damage_map_texture.h"
 #include "viewer/app/desktop.h"
@@ -20,9 +23,9 @@
 #include "viewer/app/live_view.h"
 #include "viewer/app/panel_input.h"
 #include "viewer/app/window.h"
+#include "viewer/dialogs/file_dialog.h"
 #include "viewer/model/substrate_preview.h"
 #include "viewer/model/user_settings.h"
-#include "viewer/panels/file_dialog.h"
 #include "viewer/treatment/treatment_controller.h"
 #include "viewer/video/video_recorder.h"
 
@@ -37,7 +40,7 @@ private:
     static constexpr int kFramesAfterwards = 3;  // panels need some to settle
     static constexpr double kProgress_s = 0.2;   // between two pictures of how far something is
 
-    // What a dialog asks for (panels/file_dialog.h).
+    // What a dialog asks for (dialogs/file_dialog.h).
     struct FileQuestion {
         const char* title;
         panels::FileDialog::Wants wants;
@@ -66,6 +69,20 @@ private:
     void closing_requests(const WindowState::Requests& ask);
     void stay_open();
     void save(const SavingRequests& ask);
+    void open_annotations();
+    std::string annotation_source();
+    void know_annotations();
+    void choose_annotation(const std::string& id);
+    void write_annotation();
+    void take_annotation(const AnnotationAct& act);
+    void take_annotations();
+    void step_annotation(int by);
+    void change_annotations(const AnnotationRequests& ask);
+    void annotation_file_requests(const AnnotationRequests& ask);
+    void annotation_requests(const AnnotationRequests& ask);
+    bool save_annotations();
+    void move_annotations();
+    void keep_annotations(bool at_once);
     void loupe(const Scene& scene);
     void warm_up();
     void warm_up_table();
@@ -81,6 +98,7 @@ private:
     void dialogs(const WindowState::Requests& ask);
     void treatment_dialogs();
     void photo_dialogs(const PhotoRequests& ask);
+    void annotation_dialogs(const AnnotationRequests& ask);
     void choose(const FileQuestion& question, std::filesystem::path WindowState::Requests::*where);
     void choose_for_treatment(const FileQuestion& question,
                               std::filesystem::path TreatmentState::Ask::*where);
@@ -89,6 +107,7 @@ private:
     void draw(bool moved);
     void draw_panels(const Placement& place);
     bool fonts_complete();
+    bool ready_to_type() const;
     void resize(Extent screen);
     void take_input(std::deque<InputEvent> events);
     void snapshot();
@@ -107,6 +126,7 @@ private:
     void say(const std::string& text);
     bool closing();
     bool painted_all();
+    bool painted_is_saved();
     void finish_and_open();
     Placement placement() const { return placement_of(state_, screen_); }
 
@@ -139,6 +159,11 @@ private:
     std::unique_ptr<SubstratePreview> preview_;  // of a new canvas
     gl::Target loupe_;
     std::optional<Journal> left_over_;
+    AnnotationDocument annotations_;
+    std::filesystem::path annotated_;                    // the painting that they are of
+    std::shared_future<std::string> annotation_source_;  // an IRI of it
+    std::string not_kept_;                               // why they are not on the disk
+    double annotations_kept_s_ = 0;
     std::deque<InputEvent> held_back_;  // came after a key that may close a dialog: for the panels, then
     std::deque<Region> changed_;        // of the painting, not uploaded yet
     Extent screen_{1, 1}, window_size_{1, 1};

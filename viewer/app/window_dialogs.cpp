@@ -61,6 +61,19 @@ void WindowApp::photo_dialogs(const PhotoRequests& ask) {
                &Requests::fit_folder);
 }
 
+void WindowApp::annotation_dialogs(const AnnotationRequests& ask) {
+    using Wants = panels::FileDialog::Wants;
+    using Requests = WindowState::Requests;
+    const std::filesystem::path file = painter_->file(), here = std::filesystem::absolute(file).parent_path();
+    if (ask.load_annotations_dialog)
+        choose({"Add the annotations of a file", Wants::file, here, ".json .jsonld"},
+               &Requests::load_annotations);
+    if (ask.copy_annotations_dialog)
+        choose({"A copy of the annotations", Wants::new_file,
+                here / (file.stem().string() + "-annotations.json"), ".json .jsonld"},
+               &Requests::copy_annotations);
+}
+
 // Those that were asked for. Where there are several, the last one stays.
 void WindowApp::dialogs(const WindowState::Requests& ask) {
     using Wants = panels::FileDialog::Wants;
@@ -71,6 +84,7 @@ void WindowApp::dialogs(const WindowState::Requests& ask) {
     if (ask.open_dialog) choose({"Open a painting", Wants::file, here}, &Requests::open);
     if (ask.save_dialog) choose({"Save the painting as", Wants::new_file, file}, &Requests::save_as);
     photo_dialogs(ask);
+    annotation_dialogs(ask);
     if (ask.palette_dialog) choose({"Another paint box", Wants::file, here, ".json"}, &Requests::palette);
     if (ask.export_dialog) choose_export(*ask.export_dialog);
     if (ask.substrate_dialog)

@@ -41,11 +41,18 @@ void WindowApp::take_input(std::deque<InputEvent> events) {
     if (held_frames_ > 0) --held_frames_;
     while (!events.empty() && !undecided) {
         const InputEvent event = events.front();
+        // What was typed before a click elsewhere goes into its field first.
+        const bool types = panel_input_.waits() && ImGui::GetIO().WantTextInput;
+        if (types && event.kind == InputEvent::Kind::press) break;
         events.pop_front();
+        const bool field_comes = state_.annotations.until_typed > 0;
         panel_input_.put(event);
-        hand_->take(event, screen_, left_, panels_busy, dialog_ || unfolded || ImGui::GetIO().WantTextInput);
-        if (event.kind != InputEvent::Kind::key) continue;
+        hand_->take(event, screen_, left_, panels_busy,
+                    dialog_ || unfolded || field_comes || ImGui::GetIO().WantTextInput);
+        if (event.kind != InputEvent::Kind::key && state_.annotations.acts.empty()) continue;
         requests();
+        // The key that asks for a field is not meant for it: Enter would end it.
+        if (!field_comes && state_.annotations.until_typed > 0) panel_input_.take_back_key();
         undecided = dialog_ && (event.code == GLFW_KEY_ESCAPE || event.code == GLFW_KEY_ENTER ||
                                 event.code == GLFW_KEY_KP_ENTER);
         if (undecided) held_frames_ = kMostHeldFrames;
@@ -91,6 +98,7 @@ void WindowApp::advance(std::deque<InputEvent> events, double seconds) {
     if (state_.tool == Tool::paint && !ready_to_paint_) painter_->get_ready();
     ready_to_paint_ |= state_.tool == Tool::paint;
     requests();
+    keep_annotations(false);
     if (state_.illuminant_now() != shown_in_) painter_->show_in(shown_in_ = state_.illuminant_now());
     news();
     preview_canvas();
@@ -167,6 +175,8 @@ WindowResult WindowApp::run() {
         }
     }
     hand_->let_go();
+    take_annotations();
+    keep_annotations(true);
     // Who ends programs kills them soon afterwards: what waits goes into the journal at once, though it was
     // to be saved.
     painter_->hurry(stop_wanted_ && stop_wanted_());

@@ -129,6 +129,8 @@ void WindowApp::draw_opening(const std::shared_ptr<const TexelTiles>& overview, 
 // The painting that was shown until now.
 void WindowApp::put_away() {
     hand_->let_go();
+    take_annotations();
+    keep_annotations(true);
     painter_->hurry(false);
     tally();
     if (result_.unsaved)
@@ -185,6 +187,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     hand_.reset();
     painter_ = std::move(opened.painter);
     hand_.emplace(state_, *painter_);
+    annotated_ = painter_->file();  // nothing of the painting before goes with it
     if (opened.is_new) state_.tool = Tool::paint;
     know_painting(opened.file);
     forget_painting();
@@ -198,6 +201,7 @@ void WindowApp::show(OpenedPainting opened, bool is_first) {
     news();
     // The journal of another window is no left-over.
     if (!state_.painter.elsewhere) find_left_over(opened.file);
+    open_annotations();
     documents_->shows(*painter_);
     treatment_state_->shows(*painter_);
     fitted_ = ready_to_paint_ = false;

@@ -7,8 +7,8 @@
 #include "surface/base/error.h"
 #include "surface/file/error_message.h"
 #include "viewer/app/window_app.h"
+#include "viewer/dialogs/file_ending.h"
 #include "viewer/model/user_settings.h"
-#include "viewer/panels/file_ending.h"
 
 namespace tangi {
 
@@ -27,7 +27,7 @@ std::size_t memory_bytes() {
 void WindowApp::open_when_allowed(const fs::path& file) {
     // Those of another painting stay where they are: it may be that one which is opened.
     const bool asks = state_.left_over_strokes > 0 && !state_.left_over_of_another;
-    if (state_.painter.unsaved || asks || state_.treatment_state.edits > 0) {
+    if (state_.unsaved() || asks) {
         if (asks)
             say("first recover or discard the strokes that were not saved");
         else
@@ -80,8 +80,7 @@ void WindowApp::finish_and_open() {
         treatment_state_->keep_now();
         if (!painted_all()) return;
         open_when_saved_ = false;
-        if (state_.painter.unsaved || state_.treatment_state.edits > 0)
-            return;  // it could not be saved: the message says why
+        if (state_.unsaved()) return;  // it could not be saved: the message says why
     }
     state_.closing = false;
     documents_->open(std::exchange(state_.open_next, {}));
@@ -186,10 +185,18 @@ bool WindowApp::painted_all() {
     return done;
 }
 
+// Nothing was painted since it was saved, whatever of that has come here yet.
+bool WindowApp::painted_is_saved() {
+    const bool done = painter_->idle();
+    news();
+    return done && !state_.painter.unsaved;
+}
+
 // What to do about a window that is to be closed: true where it may.
 bool WindowApp::closing() {
     if (!glfwWindowShouldClose(window_.handle())) return false;
     hand_->let_go();  // in mid-stroke: the stroke ends here
+    take_annotations();
     if (close_unsaved_) return true;
     if (close_when_saved_) treatment_state_->keep_now();
     if (close_when_saved_ || !state_.closing) {
@@ -197,7 +204,7 @@ bool WindowApp::closing() {
         close_when_saved_ = false;
     }
     const bool writes = documents_->writes() || recorder_;
-    if (!state_.painter.unsaved && state_.treatment_state.edits == 0 && !writes) return true;
+    if (!state_.unsaved() && !writes) return true;
     state_.closing = true;  // asks
     glfwSetWindowShouldClose(window_.handle(), GLFW_FALSE);
     settle_ = kFramesAfterwards;

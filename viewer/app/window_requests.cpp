@@ -92,6 +92,9 @@ void WindowApp::board_requests(const PaintRequests& ask) {
 
 // What is saved is seen.
 void WindowApp::save(const SavingRequests& ask) {
+    const bool in_place =
+        ask.save || (!ask.save_as.empty() && ask.save_as.lexically_normal() == painter_->file());
+    const bool saved_annotations = in_place && save_annotations();
     if ((!ask.save && ask.save_as.empty()) || state_.finishing) return;
     if (state_.left_over_strokes > 0) {
         say("first recover or discard the strokes that were not saved");
@@ -105,7 +108,7 @@ void WindowApp::save(const SavingRequests& ask) {
         state_.treatment_state.state.reset();
         painter_->show_as({});
     }
-    if (ask.save) painter_->save();
+    if (ask.save && !(saved_annotations && painted_is_saved())) painter_->save();
     if (!ask.save_as.empty()) painter_->save_as(ask.save_as);
 }
 
@@ -156,6 +159,7 @@ void WindowApp::news() {
     state_.painter = news.state;
     if (news.brush_goes_on) state_.board.carried = *news.brush_goes_on ? Carried::taken_up : Carried::nothing;
     const std::string name = title_of(painter_->file());
+    move_annotations();
     if (name != state_.title) {  // it was saved under another
         state_.title = name;
         glfwSetWindowTitle(window_.handle(), fmt::format("{} - TangiPaint", name).c_str());
@@ -332,6 +336,7 @@ void WindowApp::closing_requests(const WindowState::Requests& ask) {
 
 void WindowApp::do_requests(const WindowState::Requests& ask) {
     if (comes_after_strokes(ask, state_.treatment_state.ask)) hand_->end_stroke();
+    annotation_requests(ask);
     dialogs(ask);
     documents_->take(ask, *painter_);
     treatment_state_->take();

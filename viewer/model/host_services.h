@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,15 @@
 #include "viewer/model/photo_source.h"
 
 namespace tangi {
+
+// The painting in the window as it is now, saved or not.
+struct ShownPainting {
+    const Canvas& canvas;
+    std::vector<PartToWrite> tools{};  // palette and brush (palette_part.h)
+    // W3C Web Annotations (surface/publish/web_annotations.h).
+    nlohmann::json annotations = nlohmann::json::array();
+    std::filesystem::path file{};
+};
 
 // Called on threads of their own; where one is empty, the window does not offer it.
 struct HostServices {
@@ -29,11 +39,9 @@ struct HostServices {
     std::function<std::string(const std::filesystem::path& photographs, const std::filesystem::path& out,
                               const Progress& progress)>
         fit{};
-    // Writes what is on the canvas of the painting in `file`, with the palette and brush (palette_part.h), in
-    // a format of `tangipaint export --to` to `out`; what is to be said about it, or nothing. Throws Error,
-    // Cancelled.
-    std::function<std::string(const Canvas& canvas, const std::vector<PartToWrite>& tools,
-                              const std::filesystem::path& file, const std::string& format,
+    // Writes it in a format of `tangipaint export --to` to `out`; what is to be said about it, or nothing.
+    // Throws Error, Cancelled.
+    std::function<std::string(const ShownPainting& shown, const std::string& format,
                               const std::filesystem::path& out, const Progress& progress)>
         export_canvas{};
     // The formats that export_canvas() writes, in the order of the menu.

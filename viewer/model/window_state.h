@@ -13,6 +13,7 @@
 #include "paint/optics/palette.h"
 #include "paint/session/journal.h"
 #include "paint/substrate/substrate_choice.h"
+#include "viewer/annotations/annotation_state.h"
 #include "viewer/devices/pen.h"
 #include "viewer/model/background_job.h"
 #include "viewer/model/comparison.h"
@@ -26,22 +27,23 @@
 
 namespace tangi {
 
-enum class Tool { tilt, light, pan, paint, pick, ruler, region, damage, sample };
+enum class Tool { tilt, light, pan, paint, pick, ruler, region, annotate, damage, sample };
 
 struct ToolName {
     Tool tool;
     const char* name;
     Action action;
 };
-inline constexpr std::array<ToolName, 9> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
-                                                    {Tool::light, "Light", Action::tool_light},
-                                                    {Tool::pan, "Pan", Action::tool_pan},
-                                                    {Tool::paint, "Paint", Action::tool_paint},
-                                                    {Tool::pick, "Pick", Action::tool_pick},
-                                                    {Tool::ruler, "Ruler", Action::tool_ruler},
-                                                    {Tool::region, "Region", Action::tool_region},
-                                                    {Tool::damage, "Damage", Action::tool_damage},
-                                                    {Tool::sample, "Match", Action::tool_sample}}};
+inline constexpr std::array<ToolName, 10> kTools = {{{Tool::tilt, "Tilt", Action::tool_tilt},
+                                                     {Tool::light, "Light", Action::tool_light},
+                                                     {Tool::pan, "Pan", Action::tool_pan},
+                                                     {Tool::paint, "Paint", Action::tool_paint},
+                                                     {Tool::pick, "Pick", Action::tool_pick},
+                                                     {Tool::ruler, "Ruler", Action::tool_ruler},
+                                                     {Tool::region, "Region", Action::tool_region},
+                                                     {Tool::annotate, "Annotate", Action::tool_annotate},
+                                                     {Tool::damage, "Damage", Action::tool_damage},
+                                                     {Tool::sample, "Match", Action::tool_sample}}};
 
 // What the light is made of, for paint: in what order the key goes through them.
 struct LightName {
@@ -56,6 +58,8 @@ inline constexpr std::array<LightName, kIlluminants> kLights = {
      {Illuminant::warm_led, "warm LED (3000 K)"}}};
 const char* light_named(Illuminant illuminant);
 Illuminant light_after(Illuminant illuminant);
+
+inline constexpr std::size_t kMostViewLights = 4;  // of a scene's 8: the panel has room for so many
 
 struct ViewLight {
     Angles angles{135, 50};
@@ -236,7 +240,7 @@ struct UnsavedState {
 
 // The panels themselves.
 struct PanelState {
-    bool paint_comes_first = false;
+    bool paint_comes_first = false, annotations_come_first = false;
     int window_width = 10'000;  // [pixels]
     double frame_ms = 0;
     bool help = false;
@@ -330,6 +334,10 @@ struct WindowState : OpenedState,
     std::vector<ExportFormat> exports;  // that are offered (HostServices); stays as it is
     std::string lights_endings;         // of lights files (HostServices)
     TreatmentState treatment_state;
+    AnnotationState annotations;
+
+    // Strokes, corrections of the damage map or annotations would be lost, or have to be recovered.
+    bool unsaved() const { return painter.unsaved || treatment_state.edits > 0 || annotations.unsaved; }
 
     // What the panels ask for; the window does it and clears them.
     struct Requests : ViewRequests,
@@ -337,7 +345,8 @@ struct WindowState : OpenedState,
                       SavingRequests,
                       ClosingRequests,
                       PhotoRequests,
-                      OpeningRequests {
+                      OpeningRequests,
+                      AnnotationRequests {
         bool keys_changed = false, usual_keys = false;
 
         friend bool operator==(const Requests&, const Requests&) = default;

@@ -101,21 +101,21 @@ void questions(WindowState& s) {
         if (ImGui::Button("Go on painting (Esc)")) s.ask.stay = true;
     }
     if (s.closing && !s.finishing) {
-        const bool unsaved = s.painter.unsaved || s.treatment_state.edits > 0;
         if (s.painter.unsaved) note("There are strokes that are not saved.", 1, kWarning);
         if (s.treatment_state.edits > 0)
             note("The damage map was corrected, and is not in the log: closed so, the corrections are lost.",
                  3, kWarning);
+        if (s.annotations.unsaved) note("There are annotations that are not saved.", 1, kWarning);
         if (s.film)
             note("A film is still being written.", 1, kWarning);
         else if (s.job)
             note("A file is still being written.", 1, kWarning);
-        else if (!unsaved)
+        else if (!s.unsaved())
             note("All is written.", 1, kWarning);
         if (!s.open_next.empty())
             ImGui::TextUnformatted(("To open: " + s.open_next.filename().string()).c_str());
         const bool opens = !s.open_next.empty();
-        if (unsaved) {
+        if (s.unsaved()) {
             if (ImGui::Button(opens ? "Save and open (Enter)" : "Save and close (Enter)"))
                 s.ask.save = s.ask.close = true;
             ImGui::SameLine();
@@ -123,6 +123,7 @@ void questions(WindowState& s) {
         if (ImGui::Button(opens ? "Open" : "Close")) s.ask.close_unsaved = true;
         tip(s.painter.unsaved             ? "The strokes stay in the journal: next time they can be recovered"
             : s.treatment_state.edits > 0 ? "The corrections of the damage map are given up"
+            : s.annotations.unsaved       ? "They stay beside the painting: next time they are here again"
                                           : "What is being written is given up");
         if (ImGui::Button("Go on painting (Esc)")) {
             s.closing = false;
@@ -199,7 +200,8 @@ void tools(WindowState& s) {
     int i = 0;
     for (const ToolName& tool : kTools) {
         if (!s.treatment_state.on && (tool.tool == Tool::damage || tool.tool == Tool::sample)) continue;
-        if (i++ % 3 && tool.tool != Tool::damage) ImGui::SameLine();
+        if (tool.tool == Tool::damage) i = 0;  // a row of its own for those of a treatment
+        if (i++ % 3) ImGui::SameLine();
         if (ImGui::RadioButton(with_key(s, tool.name, tool.action).c_str(), s.tool == tool.tool))
             s.tool = tool.tool;
         tip(help_of(tool.action));
@@ -274,8 +276,20 @@ void painting_parts(WindowState& s) {
     // What the tool in the hand needs comes first: there is not room for all. Not while the pointer is on
     // what would move: a click on a paint takes the brush into the hand.
     const ImVec2 pointer = ImGui::GetIO().MousePos, corner = ImGui::GetCursorScreenPos();
-    if (pointer.x >= ImGui::GetWindowPos().x + ImGui::GetWindowWidth() || pointer.y < corner.y)
+    if (pointer.x >= ImGui::GetWindowPos().x + ImGui::GetWindowWidth() || pointer.y < corner.y) {
         s.paint_comes_first = s.tool == Tool::paint || s.tool == Tool::pick;
+        s.annotations_come_first = s.tool == Tool::annotate;
+    }
+    const auto annotating = [&] {
+        // Unfolded while one draws or writes.
+        bool* there = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("annotations are wanted"));
+        const bool is_wanted = s.tool == Tool::annotate || s.annotations.until_typed > 0;
+        if (is_wanted && (!*there || s.annotations.until_typed > 0)) ImGui::SetNextItemOpen(true);
+        *there = is_wanted;
+        folding(fmt::format("Annotations ({})###Annotations", s.annotations.items.size()).c_str(), false,
+                [&] { annotations(s); });
+    };
+    if (s.annotations_come_first) annotating();
     const auto looking = [&] {
         folding("Light", true, [&] { light(s); });
         folding("Look", false, [&] { look(s); });
@@ -286,6 +300,7 @@ void painting_parts(WindowState& s) {
     folding("Palette", true, [&] { palette(s); });
     folding("Canvas", true, [&] { canvas(s); });
     if (s.paint_comes_first) looking();
+    if (!s.annotations_come_first) annotating();
     const std::size_t count = s.doubts.size() + s.said.size();
     folding(fmt::format("Messages ({})###Messages", count).c_str(), false, [&] { messages(s); });
     ImGui::PopItemWidth();

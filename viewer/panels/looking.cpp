@@ -12,7 +12,6 @@ namespace tangi::panels {
 
 namespace {
 
-constexpr std::size_t kMostViewLights = 4;
 constexpr const char* kComparing =
     "What is compared is lit as the photograph was; Compare, under Photographs, goes back to the painting";
 

@@ -182,6 +182,7 @@ void overlay(WindowState& s, const Placement& placement, Extent screen, const gl
     const auto half = static_cast<float>(pane(s, screen).width);
     for (const float at : {left, left + half}) {
         if (at > left && !s.comparing.aside()) break;
+        annotations_over(s, placement, at, pane(s, screen));
         ruler(s, placement, at);
         region(s, placement, at);
     }

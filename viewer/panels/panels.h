@@ -71,7 +71,7 @@ void idle_while(bool idle, const char* why, Draw&& draw) {
 }
 
 // The column: File, Photographs, Tools; Light, Look, Devices; Paint, Palette, Canvas, which come before those
-// while one paints.
+// while one paints; Annotations, which come before all of these while one annotates.
 void column(WindowState& state, float height);
 
 void file(WindowState& state);
@@ -80,6 +80,7 @@ void tools(WindowState& state);
 void light(WindowState& state);
 void look(WindowState& state);
 void devices(WindowState& state);
+void annotations(WindowState& state);
 void messages(WindowState& state);  // what the fit had doubts about, and what the window said
 void brush(WindowState& state);
 void palette(WindowState& state);
@@ -102,6 +103,10 @@ void tip(const std::string& text);  // of the item before
 // Over the painting: the damage map, and the polygon or brush that is drawn on it.
 void damage_map(const WindowState& state, const Placement& placement, Extent screen, const glm::dvec2& cursor,
                 bool cursor_over);
+
+// Over the painting, in the `pane` of it that begins `left` from the window's edge: the annotations, and what
+// is drawn of one.
+void annotations_over(const WindowState& state, const Placement& placement, float left, Extent pane);
 
 // Over the painting: ruler, brush outline, probe, status. `origin`: the canvas area's corner in the window.
 void overlay(WindowState& state, const Placement& placement, Extent screen, const glm::dvec2& cursor,

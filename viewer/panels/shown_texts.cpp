@@ -65,6 +65,11 @@ void treatment_state_of(const TreatmentState& t, const See& see) {
     job_of(t.job, see);
 }
 
+void annotations_of(const AnnotationState& a, const See& see) {
+    for (const auto& annotation : a.items) see(annotation->text);
+    see(a.file);
+}
+
 void painting_of(const WindowState& s, const See& see) {
     see(s.palette.name);
     for (const Pigment& paint : s.palette.paints) see(paint.name);
@@ -95,6 +100,7 @@ void each_shown_text(const WindowState& s, const See& see) {
     painting_of(s, see);
     comparing_of(s.comparing, see);
     treatment_state_of(s.treatment_state, see);
+    annotations_of(s.annotations, see);
 }
 
 }  // namespace tangi

@@ -20,7 +20,7 @@ public:
           keys_(words_of(
               "t l h b i m g f 1 r comma period s o d c v ctrl+z ctrl+y ctrl+s ctrl+shift+s ctrl+o ctrl+r F1 "
               "F12 Tab Next Prior Left Right Up Down bracketleft bracketright Escape Return space a x F5 "
-              "ctrl+a ctrl+n BackSpace Home " +
+              "ctrl+a ctrl+n BackSpace Home shift+a F2 shift+F2 Delete ctrl+Next ctrl+Prior shift+x ctrl+l " +
               further)) {}
 
     // Some tens of actions; returns them as xdotool's words, to be repeated.

@@ -10,7 +10,7 @@
 #include "surface/file/atomic_file.h"
 #include "tests/support/test_support.h"
 #include "viewer/model/user_settings.h"
-#include "viewer/panels/file_dialog.h"
+#include "viewer/dialogs/file_dialog.h"
 
 namespace tangi {
 namespace {

@@ -46,6 +46,15 @@ ImGuiID __wrap__ZN11ImGuiWindow5GetIDEPKcS1_(ImGuiWindow* window, const char* be
 namespace tangi {
 namespace {
 
+// So many of each kind, of which the last is chosen.
+void annotate(WindowState& state, int count) {
+    AnnotationList list({}, {"", 400, 300});
+    for (int i = 0; i < count; ++i)
+        state.annotations.chosen =
+            list.add({static_cast<AnnotationKind>(i % kAnnotationKinds), {{{10.0 * i, 20}}}}, "");
+    state.annotations.items = list.now();
+}
+
 class PanelNames : public testing::Test {
 protected:
     void SetUp() override {
@@ -103,9 +112,10 @@ TEST_F(PanelNames, OfAPaintingDiffer) {
     state_.board.texture = 1;
     state_.job = state_.film = Job::State();
     state_.left_over_strokes = 3;
+    annotate(state_, 4);
     state_.closing = true;
     state_.lights.resize(4);
-    for (const Tool tool : {Tool::tilt, Tool::light, Tool::paint, Tool::ruler}) {
+    for (const Tool tool : {Tool::tilt, Tool::light, Tool::paint, Tool::ruler, Tool::annotate}) {
         state_.tool = tool;
         draw();
     }
@@ -213,6 +223,12 @@ TEST_F(PanelPlaces, StayWhenSomethingHappensToThePainting) {
         s.new_canvas.texture = 1;
         s.new_canvas.preview = {300, 130};
     });
+    state_.tool = Tool::annotate;
+    stays_when("there are annotations", [&] { annotate(s, 9); });
+    stays_when("they are not saved", [&] { s.annotations.unsaved = s.annotations.can_undo = true; });
+    stays_when("none is chosen", [&] { s.annotations.chosen.clear(); });
+    stays_when("another window has them",
+               [&] { s.annotations.refused = "a reason, which is longer than a line"; });
     stays_when("head and sensor are followed", [&] { s.follow.head = s.follow.sensor = true; });
 }
 

@@ -3,7 +3,9 @@
 #include "surface/base/json_text.h"
 #include "surface/file/atomic_file.h"
 #include "tests/viewer/web/page_support.h"
+#include "viewer/annotations/annotation_list.h"
 #include "viewer/model/measurement.h"
+#include "viewer/model/view_words.h"
 #include "viewer/web/web_page.h"
 
 namespace tangi {
@@ -297,6 +299,47 @@ TP_LONG TEST_F(WebPageTools, LoadsAnnotationsOfOthers) {
     EXPECT_NE(loaded("far.json", json_line({svg("<rect x='290' y='10' width='100' height='10'/>")}))
                   .find("reach beyond this painting"),
               std::string::npos);
+    EXPECT_EQ(browser_->errors, "");
+}
+
+// The window's file in a page, and the page's in the window: places, texts, light, view and look.
+TEST_F(WebPageTools, SharesAnnotationsWithTheWindow) {
+    write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight),
+                   {.title = "Ridges", .id = "urn:tangipaint:ridges"});
+    open_at(page() + "#azimuth=100&elevation=70", {1000, 700});
+    click_on("#noted");
+    WindowState window;
+    window.painting = {kWidth, kHeight};
+    window.lights[0].angles = {20, 30};
+    window.tilt.angle_deg = {5, -12.5};
+    window.view = {{140, 120}, 1.25, 15};
+    window.mode = ViewMode::height;
+    window.exposure_stops = 0.5f;
+    AnnotationList list({}, {"urn:tangipaint:ridges", kWidth, kHeight});
+    using Kind = AnnotationKind;
+    for (const AnnotationShape& shape :
+         {AnnotationShape{Kind::point, {{{30, 40.5}}}}, AnnotationShape{Kind::line, {{{0, 0}, {50.25, 60}}}},
+          AnnotationShape{Kind::polygon, {{{1, 2}, {30, 2}, {30, 40}}, {{10, 5}, {20, 5}, {20, 15}}}},
+          AnnotationShape{Kind::text, {{{150, 20}}}}})
+        list.set_text(list.add(shape, view_words(window)), "A <loss> & more", false);
+    EXPECT_EQ(loaded("window.json", text_of_page(json_of(list.now()))), "4 annotations were loaded.");
+    click_on("#notes li:nth-child(3) .choose");
+    EXPECT_TRUE(browser_->becomes_true("document.getElementById('angles').textContent === '20° · 30° high'"));
+    EXPECT_EQ(browser_->evaluate("document.getElementById('look').value"), "4");
+    // The page keeps a view of its own for one of them, which says the same.
+    browser_->evaluate("document.querySelectorAll('#notes .chosen button')[1].click()");
+    const nlohmann::json kept = downloaded()["items"];
+    ASSERT_EQ(kept.size(), 4u);
+    EXPECT_NE(kept[2]["target"]["state"], list.now()[2]->json["target"]["state"]);
+    const Annotations back = annotations_of(kept, list.picture());
+    for (std::size_t i = 0; i < back.size(); ++i) {
+        EXPECT_EQ(back[i]->shape, list.now()[i]->shape) << i;
+        EXPECT_EQ(back[i]->text, "A <loss> & more");
+        WindowState seen;
+        seen.painting = window.painting;
+        follow_view_words(seen, back[i]->view);
+        EXPECT_EQ(view_words(seen), view_words(window)) << i;
+    }
     EXPECT_EQ(browser_->errors, "");
 }
 

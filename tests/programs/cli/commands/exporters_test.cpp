@@ -63,7 +63,8 @@ TEST(Exporters, WriteWhatTheirRowsSay) {
         const bool is_picture = exporter.name == std::string("snapshot");
         const fs::path out =
             stack.out(std::string("of-") + exporter.name + exporter.extension + (is_picture ? ".png" : ""));
-        const nlohmann::json result = export_canvas(canvas, {}, stack.truth(), exporter.name, out, {});
+        const nlohmann::json result =
+            export_canvas({.canvas = canvas, .file = stack.truth()}, exporter.name, out, {});
         const bool is_folder = !*exporter.extension || exporter.name == std::string("tiles");
         EXPECT_EQ(fs::is_directory(out), is_folder && !is_picture) << exporter.name;
         ASSERT_FALSE(result.at("files").empty()) << exporter.name;
@@ -71,6 +72,20 @@ TEST(Exporters, WriteWhatTheirRowsSay) {
             EXPECT_TRUE(fs::is_regular_file(file)) << file;
             EXPECT_TRUE(says_its_program(file)) << file;
         }
+    }
+}
+
+// The window's own, saved or not: its painting's file has none.
+TEST(Exporters, TakeTheAnnotationsOfTheWindowAlong) {
+    const TinyStack stack;
+    const Canvas canvas = read_canvas(stack.truth());
+    const nlohmann::json annotations = nlohmann::json::array(
+        {{{"type", "Annotation"}, {"id", "urn:a"}, {"bodyValue", "A loss"}, {"target", "p#xywh=1,2,3,4"}}});
+    for (const auto& [format, file] : {std::pair("web", "index.html"), std::pair("iiif", "manifest.json"),
+                                       std::pair("openlime", "index.html")}) {
+        const fs::path out = stack.out(format);
+        export_canvas({.canvas = canvas, .annotations = annotations, .file = stack.truth()}, format, out, {});
+        EXPECT_THAT(bytes_of(out / file), HasSubstr("A loss")) << format;
     }
 }
 

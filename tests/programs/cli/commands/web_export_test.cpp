@@ -1,9 +1,9 @@
 // web_export_test.cpp: what of `export --to web` is typed: the sites that a page hears, the states that it
 // shows, the folder that it goes to.
 #include "cli/command.h"
-#include "cli/export/selector_check.h"
 #include "cli/export/web_origin.h"
 #include "surface/base/json_text.h"
+#include "surface/publish/selector_check.h"
 #include "tests/programs/support/cli_program.h"
 
 namespace tangi {

@@ -3,17 +3,8 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace tangi {
-
-// Numbers one after the other, with blanks and commas between them as in the lists of SVG; `rest` begins at
-// the first word that is none, or is not finite.
-struct NumberList {
-    std::vector<double> numbers;
-    std::string_view rest;
-};
-NumberList numbers_in_list(std::string_view text);
 
 // These say why it selects no place, in words that follow "its"; empty where it does.
 

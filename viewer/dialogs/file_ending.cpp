@@ -1,4 +1,4 @@
-#include "viewer/panels/file_ending.h"
+#include "viewer/dialogs/file_ending.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "viewer/panels/file_dialog.h"
+#include "viewer/dialogs/file_dialog.h"
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -9,7 +9,7 @@
 
 #include "surface/file/file_name.h"
 #include "surface/image_file/image_io.h"
-#include "viewer/panels/file_ending.h"
+#include "viewer/dialogs/file_ending.h"
 
 namespace tangi::panels {
 
