@@ -12,6 +12,7 @@ set(TP_LONG_FILES
     fit/light_checks/photo_misfit_test.cpp
     fit/material/anisotropy_estimate_test.cpp
     fit/pipeline/data_test.cpp
+    fit/pipeline/large_pictures_test.cpp
     fit/pipeline/spheres_test.cpp
     programs/cli/stacks/large_stacks_test.cpp
     programs/cli/stacks/stack_sizes_test.cpp

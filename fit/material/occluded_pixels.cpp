@@ -22,6 +22,7 @@ constexpr float kDistrust = 1e-3f;  // [1] confidence
 constexpr float kNoWitness = 10;    // [1] standard error
 constexpr int kAround = 6, kAroundStep = 2, kBeside = 3;  // [pixels]
 constexpr double kOwnSpecular = 0.1, kOwnLnAlpha = 0.7;   // [1] sigma of a lobe that is not its neighbours'
+constexpr double kSameWay = 0.966;                        // [1] cosine of 15 degrees
 constexpr double kDarkPhoto = 0.5;                        // [1] of what is predicted
 // [sigma^2] For each photograph: one in seven is hidden by relief that the height does not show.
 constexpr double kUnexplained = 4;
@@ -50,6 +51,12 @@ bool may_be_misread(const Surface& s, int x, int y) {
         ++count;
     });
     return rgb_sum(s.diffuse(x, y)) * static_cast<float>(count) < kDarkPart * around;
+}
+
+// Of two lights in about the same direction across: what hides the upper one hides the lower one, too.
+bool is_below(const glm::dvec3& light, const glm::dvec3& other) {
+    const double a = std::hypot(light.x, light.y), b = std::hypot(other.x, other.y);
+    return light.x * other.x + light.y * other.y > kSameWay * a * b && light.z * b < other.z * a;
 }
 
 }  // namespace
@@ -117,26 +124,36 @@ WardPrior of_its_own(WardPrior prior) {
 
 double hide_dark(const WardStart& start, PixelSamples& samples) {
     const glm::dvec3 normal = glm::normalize(glm::dvec3(-start.slope.x, -start.slope.y, 1));
-    double unexplained = 0;
-    for (int i = 0; i < samples.photos(); ++i) {
-        const auto photo = static_cast<std::size_t>(i),
-                   first = photo * static_cast<std::size_t>(samples.channels);
-        const double n_l = std::max(glm::dot(normal, samples.light[photo]), 0.0) + samples.ambient[photo];
-        const auto predicted = [&](std::size_t c) {
-            return samples.irradiance[first + c] * start.diffuse[static_cast<int>(c)] * n_l;
-        };
-        const auto channels = static_cast<std::size_t>(samples.channels);
+    const auto channels = static_cast<std::size_t>(samples.channels);
+    const auto n_l = [&](std::size_t photo) {
+        return std::max(glm::dot(normal, samples.light[photo]), 0.0) + samples.ambient[photo];
+    };
+    const auto predicted = [&](std::size_t photo, std::size_t c) {
+        return samples.irradiance[photo * channels + c] * start.diffuse[static_cast<int>(c)] * n_l(photo);
+    };
+    std::vector<std::size_t> dark, lit;
+    for (std::size_t photo = 0; photo < samples.light.size(); ++photo) {
         double value = 0, all = 0;
         for (std::size_t c = 0; c < channels; ++c) {
-            if (samples.sigma[first + c] == 0) continue;
-            value += samples.value[first + c];
-            all += predicted(c);
+            if (samples.sigma[photo * channels + c] == 0) continue;
+            value += samples.value[photo * channels + c];
+            all += predicted(photo, c);
         }
-        if (!(value < kDarkPhoto * all)) continue;
+        if (all > 0) (value < kDarkPhoto * all ? dark : lit).push_back(photo);
+    }
+    double unexplained = 0;
+    for (const std::size_t photo : dark) {
+        const auto below = [&](std::size_t other) {
+            return is_below(samples.light[other], samples.light[photo]);
+        };
+        if (std::ranges::any_of(lit, below)) continue;
         unexplained += kUnexplained * samples.visible[photo];
         for (std::size_t c = 0; c < channels; ++c)
-            if (double& sigma = samples.sigma[first + c]; sigma != 0)
-                sigma = std::copysign(std::hypot(sigma, predicted(c)), sigma);
+            if (double& sigma = samples.sigma[photo * channels + c]; sigma != 0) {
+                const double known = std::abs(sigma), hidden = std::hypot(sigma, predicted(photo, c));
+                unexplained += samples.visible[photo] * 2 * std::log(hidden / known);
+                sigma = std::copysign(hidden, sigma);
+            }
     }
     return unexplained;
 }

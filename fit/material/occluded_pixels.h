@@ -34,9 +34,10 @@ void fill_from_neighbours(const Image<unsigned char>& occluded, Surface& surface
 // The prior of such a pixel where it is taken for what it seems: its lobe need not be its neighbours'.
 WardPrior of_its_own(WardPrior prior);
 
-// Photographs that are much darker than the start predicts are hidden from the light: what they say is taken
-// to be off by as much as they miss. Returns what has to be added to the cost for those that the relief does
-// not explain (`visible`). Samples that are left out do not count.
+// Photographs that are much darker than the start predicts are hidden from the light, unless a lower light in
+// the same direction is seen: what they say is taken to be off by as much as they miss. Returns what has to
+// be added to the cost for those that the relief does not explain (`visible`): what being hidden and a wider
+// normal distribution cost. Samples that are left out do not count.
 double hide_dark(const WardStart& start, PixelSamples& samples);
 
 }  // namespace tangi

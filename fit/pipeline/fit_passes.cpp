@@ -168,8 +168,7 @@ LightVisibility Passes::refine() {
     fill_from_neighbours(occluded_, surface_, result_.errors);
     FirstPass first(surface_, plane_, result_.errors, options_.ward.prior, occluded_, surface_.height_mm, 1,
                     static_cast<int>(input_.stack.photos.size()));
-    FitOptions second = options_;
-    second.ward.robust_scale = robust_scale_after(report_.median_rms_residual, options_.ward.robust_scale);
+    const FitOptions second = options_after(report_, options_);
     fit_pass(input_, second, {.name = "refine", .mask = mask_, .first = &first}, result_, progress_);
     settle_refined(false, input_.lighting, first.lights, surface_);
     return std::move(first.lights);

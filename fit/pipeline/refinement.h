@@ -42,7 +42,7 @@ private:
 // photographs, become like those of an empty surface.
 void settle_refined(bool forgets, const Lighting& lighting, LightVisibility& lights, Surface& surface);
 
-// [sigma] WardFitOptions::robust_scale of a second pass.
-double robust_scale_after(double rms_residual, double first);
+// Those of a second pass, by what the first one found.
+FitOptions options_after(const FitReport& first, FitOptions options);
 
 }  // namespace tangi

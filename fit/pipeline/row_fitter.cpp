@@ -65,6 +65,7 @@ RowFitter::RowFitter(const WardFitOptions& options, Solver solver, const Lightin
       batches_(options),
       again_(options),
       highlights_(options.by_highlight),
+      in_shade_(options.in_shade),
       bounds_(options.bounds),
       prior_(options.prior) {}
 
@@ -100,7 +101,8 @@ WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& 
                                  const PixelKnowledge& known) {
     PixelSamples& samples = white_samples_at(band, x, y, surface, known);
     WardEstimate best = ceres_.fit(samples, prior_at(x, y, known));
-    const bool in_doubt = !best.valid || best.rms_residual > kPoorFit || is_occluded(x, y, known);
+    const bool in_doubt =
+        (in_shade_ && (!best.valid || best.rms_residual > kPoorFit)) || is_occluded(x, y, known);
     const WardPrior prior = known.prior ? known.prior(x, y) : prior_;
     for (const Shade shade : {Shade::lit, Shade::around}) {
         if (!in_doubt) break;
@@ -246,7 +248,8 @@ void RowFitter::fit_in_shade(const Band& band, int first, const RowTask& task,
             const int x = name % width, y = first + name / width;
             const WardSolution& solution = as_they_are[static_cast<std::size_t>(name)];
             if (!task.mask.empty() && !task.mask(x, y)) return {};
-            if (solution.valid && !(solution.chi2 > poor) && !is_occluded(x, y, known)) return {};
+            const bool in_doubt = in_shade_ && (!solution.valid || solution.chi2 > poor);
+            if (!in_doubt && !is_occluded(x, y, known)) return {};
             PixelSamples& samples = white_samples_at(band, x, y, surface, known);
             const auto start = start_in_shade(shade, x, y, surface, known, samples);
             if (!start) return {};
@@ -319,7 +322,7 @@ void RowFitter::fit_in_batches(const Band& band, int y0, int y1, const RowTask& 
         batches_.finish();
         std::vector<WardSolution> solutions(batches_.solutions());
         if (highlights_) fit_by_highlight(band, first, surface, known, solutions);
-        fit_in_shade(band, first, task, solutions);
+        if (in_shade_ || known.occluded) fit_in_shade(band, first, task, solutions);
         hand_out(band, first, last, task, solutions, done);
         for (int y = first; y < last; ++y) look_at_row(band, y, surface, known);
     }

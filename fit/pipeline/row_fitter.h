@@ -114,7 +114,7 @@ private:
     WardFitter ceres_;
     WardBatchFitter batches_, again_;
     WardBatch batch_, other_batch_;
-    bool highlights_;
+    bool highlights_, in_shade_;
     WardBounds bounds_;
     PixelSamples samples_;
     WardPrior prior_;

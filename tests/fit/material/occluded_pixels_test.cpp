@@ -60,7 +60,7 @@ TP_LONG TEST(Crevices, AreNoBlackMirrors) {
 
 // A trench from whose floor a third of the lights are seen, wider than what neighbours tell of: its floor is
 // the paint that the lit photographs show, not a black mirror.
-TEST(Crevices, ShowWhatLitPhotographsShow) {
+TP_LONG TEST(Crevices, ShowWhatLitPhotographsShow) {
     PaintingTruth truth(60, 20, 0.2);
     const auto is_floor = [](int x) { return x >= 22 && x < 38; };
     for (int y = 0; y < truth.height(); ++y)
@@ -203,6 +203,14 @@ TEST(Crevices, HideTheDarkPhotographsThatTheReliefDoesNotExplain) {
     samples.sigma = {0.01, 0, 0.01};
     EXPECT_EQ(hide_dark(start, samples), cost);
     EXPECT_EQ(samples.sigma[1], 0);
+    // What hides a light hides lower ones in its direction: one of which such a one is seen is not hidden.
+    samples.light = {glm::normalize(glm::dvec3(1, 0, 0.5)), glm::normalize(glm::dvec3(1, 0.1, 1)),
+                     glm::normalize(glm::dvec3(-1, 0, 1))};
+    samples.value = {0.22, 0.01, 0.01};
+    samples.sigma = {0.01, 0.01, 0.01};
+    hide_dark(start, samples);
+    EXPECT_EQ(samples.sigma[1], 0.01);
+    EXPECT_GT(samples.sigma[2], 0.3);
 }
 
 }  // namespace
