@@ -30,7 +30,11 @@ extern "C" {
 bool __real__ZN5ImGui7ItemAddERK6ImRectjPS1_i(const ImRect&, ImGuiID, const ImRect*, ImGuiItemFlags);
 bool __wrap__ZN5ImGui7ItemAddERK6ImRectjPS1_i(const ImRect& box, ImGuiID id, const ImRect* navigated,
                                               ImGuiItemFlags flags) {
-    if (id != 0 && ++names.times[id] == 2) names.twice.insert(names.of[id]);
+    // A field of several lines is a window as well, which is added again as such, in its place.
+    const auto before = names.places.find(id);
+    const bool again =
+        before != names.places.end() && before->second.x == box.Min.x && before->second.y == box.Min.y;
+    if (id != 0 && !again && ++names.times[id] == 2) names.twice.insert(names.of[id]);
     if (id != 0) names.places[id] = box.Min;
     return __real__ZN5ImGui7ItemAddERK6ImRectjPS1_i(box, id, navigated, flags);
 }
@@ -49,9 +53,13 @@ namespace {
 // So many of each kind, of which the last is chosen.
 void annotate(WindowState& state, int count) {
     AnnotationList list({}, {"", 400, 300});
-    for (int i = 0; i < count; ++i)
-        state.annotations.chosen =
-            list.add({static_cast<AnnotationKind>(i % kAnnotationKinds), {{{10.0 * i, 20}}}}, "");
+    for (int i = 0; i < count; ++i) {
+        const auto kind = static_cast<AnnotationKind>(i % kAnnotationKinds);
+        std::vector<glm::dvec2> ring = {{10.0 * i, 20}};
+        if (kind == AnnotationKind::line || kind == AnnotationKind::polygon)
+            ring.insert(ring.end(), {{10.0 * i + 9, 20}, {10.0 * i + 9, 30}});
+        state.annotations.chosen = list.add({kind, {ring}}, "");
+    }
     state.annotations.items = list.now();
 }
 
@@ -62,8 +70,8 @@ protected:
         ImGui::CreateContext();
         ImGuiIO& io = ImGui::GetIO();
         io.IniFilename = nullptr;
-        io.DisplaySize = {1600, 3000};
-        const PanelFonts fonts(1);  // texts are as wide as in the window
+        io.DisplaySize = {1600, 4000};  // all panels unfolded, without a scroll bar
+        const PanelFonts fonts(1);      // texts are as wide as in the window
         state_.painting = {400, 300};
         state_.scale_known = state_.treatment_state.scale_known = true;
         state_.brushes = brush_presets();
@@ -80,8 +88,8 @@ protected:
         for (int i = 0; i < 3; ++i) {
             names = {};
             ImGui::NewFrame();
-            panels::column(state_, 2900);
-            if (state_.treatment_state.on) panels::treatment_column(state_, 2900);
+            panels::column(state_, 3900);
+            if (state_.treatment_state.on) panels::treatment_column(state_, 3900);
             panels::measurements(state_);
             panels::board(state_);
             panels::new_canvas(state_);
