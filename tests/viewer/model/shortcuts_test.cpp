@@ -9,8 +9,8 @@
 
 #include "surface/file/atomic_file.h"
 #include "tests/support/test_support.h"
-#include "viewer/model/user_settings.h"
 #include "viewer/dialogs/file_dialog.h"
+#include "viewer/model/user_settings.h"
 
 namespace tangi {
 namespace {
