@@ -303,7 +303,7 @@ TP_LONG TEST_F(WebPageTools, LoadsAnnotationsOfOthers) {
 }
 
 // The window's file in a page, and the page's in the window: places, texts, light, view and look.
-TEST_F(WebPageTools, SharesAnnotationsWithTheWindow) {
+TP_LONG TEST_F(WebPageTools, SharesAnnotationsWithTheWindow) {
     write_web_page(scratch_ / "page.html", painted_surface(kWidth, kHeight),
                    {.title = "Ridges", .id = "urn:tangipaint:ridges"});
     open_at(page() + "#azimuth=100&elevation=70", {1000, 700});
@@ -323,6 +323,7 @@ TEST_F(WebPageTools, SharesAnnotationsWithTheWindow) {
           AnnotationShape{Kind::text, {{{150, 20}}}}})
         list.set_text(list.add(shape, view_words(window)), "A <loss> & more", false);
     EXPECT_EQ(loaded("window.json", text_of_page(json_of(list.now()))), "4 annotations were loaded.");
+    ASSERT_TRUE(browser_->becomes_true("document.querySelectorAll('#notes li').length === 4"));
     click_on("#notes li:nth-child(3) .choose");
     EXPECT_TRUE(browser_->becomes_true("document.getElementById('angles').textContent === '20° · 30° high'"));
     EXPECT_EQ(browser_->evaluate("document.getElementById('look').value"), "4");
