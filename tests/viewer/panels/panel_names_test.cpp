@@ -26,6 +26,8 @@ struct Names {
 
 }  // namespace
 
+// As the linker's --wrap names them.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 bool __real__ZN5ImGui7ItemAddERK6ImRectjPS1_i(const ImRect&, ImGuiID, const ImRect*, ImGuiItemFlags);
 bool __wrap__ZN5ImGui7ItemAddERK6ImRectjPS1_i(const ImRect& box, ImGuiID id, const ImRect* navigated,
@@ -46,6 +48,7 @@ ImGuiID __wrap__ZN11ImGuiWindow5GetIDEPKcS1_(ImGuiWindow* window, const char* be
     return id;
 }
 }
+// NOLINTEND(bugprone-reserved-identifier)
 
 namespace tangi {
 namespace {
