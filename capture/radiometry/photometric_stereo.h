@@ -15,7 +15,7 @@ struct PhotometricStereoOptions {
     // relief is high and lights are low, more than a fifth of the samples are; of four photographs, which
     // hardly tell a shadow from a dark side, it leaves too little to say how they were stored.
     double shadow = 0;
-    double highlights = 0.2;  // [1] part of the samples that may be brighter than bright
+    double highlights = 0.2;  // [1] part of the samples, the brightest, that start as highlights
 
     static constexpr std::string_view name = "photometric_stereo";
     template <class Self, class Visit>

@@ -22,8 +22,9 @@ constexpr float kDistrust = 1e-3f;  // [1] confidence
 constexpr float kNoWitness = 10;    // [1] standard error
 constexpr int kAround = 6, kAroundStep = 2, kBeside = 3;  // [pixels]
 constexpr double kOwnSpecular = 0.1, kOwnLnAlpha = 0.7;   // [1] sigma of a lobe that is not its neighbours'
-constexpr double kSameWay = 0.966;                        // [1] cosine of 15 degrees
-constexpr double kDarkPhoto = 0.5;                        // [1] of what is predicted
+// [1] Cosine of 15 degrees, which lights of a ring of 24 are apart.
+constexpr double kSameWay = 0.966;
+constexpr double kDarkPhoto = 0.5;  // [1] of what is predicted
 // [sigma^2] For each photograph: one in seven is hidden by relief that the height does not show.
 constexpr double kUnexplained = 4;
 

@@ -17,7 +17,9 @@ static_assert(kWardLanes == kMarchLanes);
 // half, many enough that registers are full nearly all the time.
 constexpr int kPixelsAtOnce = 8192;
 constexpr double kSampleSize = 512;
-// A crevice that few lights reach: what the brightest photographs show, and what is not much darker.
+// A crevice that few lights reach: what the brightest photographs show, and what is not much darker. With the
+// usual fifth as highlights, one of which less than a fifth is lit is lost (generated deep relief: 31.7 dB
+// instead of 32.9, when this was tried in both passes).
 constexpr PhotometricStereoOptions kLitStereo = {.shadow = kWardStereo.shadow, .highlights = 0.05};
 
 bool is_occluded(int x, int y, const PixelKnowledge& known) { return known.occluded && known.occluded(x, y); }
