@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capture/formats/capture_colour.h"
@@ -106,11 +108,34 @@ void hold_out(Stack& stack, const std::string& which);
 // Throws Error where photometric stereo has no unique answer: fewer than 4 lights, or all in one plane.
 void require_enough_lights(const std::vector<Light>& lights, const std::string& what);
 
+// Memory of bands, used again: each page of new memory is cleared by the system when it is touched, which
+// took an eighth of a whole fit's processor time. Any thread may take and give back.
+class BandMemory : public std::enable_shared_from_this<BandMemory> {
+public:
+    // Gives values back to where they are from, if that is still there.
+    struct GiveBack {
+        std::weak_ptr<BandMemory> memory{};
+        std::size_t size = 0;
+        void operator()(float* values) const noexcept;
+    };
+    using Values = std::unique_ptr<float[], GiveBack>;
+
+    // At least so many values, of which none is set.
+    Values take(std::size_t count);
+
+private:
+    std::mutex mutex_;
+    std::size_t blocks_ = 0;                                              // that were made
+    std::vector<std::pair<std::size_t, std::unique_ptr<float[]>>> free_;  // with their sizes
+};
+
 // Linear light of all photographs in rows y0 <= y < y1 of the stack, planar: [photo][channel][row][column].
 class Band {
 public:
     Band() = default;
-    Band(int photos, int channels, int width, int y0, int y1);
+    Band(int photos, int channels, int width, int y0, int y1);  // of zeros
+    // Of values that are not set yet.
+    Band(int photos, int channels, int width, int y0, int y1, BandMemory& memory);
 
     int photos() const { return photos_; }
     int channels() const { return channels_; }
@@ -123,6 +148,7 @@ public:
     const float* row(int photo, int channel, int y) const { return &values_[index(photo, channel, y)]; }
 
 private:
+    std::size_t size() const { return index(photos_, 0, y0_); }
     std::size_t index(int photo, int channel, int y) const {
         const auto plane = static_cast<std::size_t>(photo) * static_cast<std::size_t>(channels_) +
                            static_cast<std::size_t>(channel);
@@ -130,7 +156,7 @@ private:
                static_cast<std::size_t>(width_);
     }
     int photos_ = 0, channels_ = 0, width_ = 0, y0_ = 0, y1_ = 0;
-    std::vector<float> values_;
+    BandMemory::Values values_;
 };
 
 class PhotoSource;
@@ -175,7 +201,8 @@ private:
 
     const Stack& stack_;
     std::vector<PhotoSource> files_;
-    std::vector<Rows> rows_;                  // of photographs that are resampled
+    std::vector<Rows> rows_;  // of photographs that are resampled
+    std::shared_ptr<BandMemory> memory_ = std::make_shared<BandMemory>();
     std::vector<float> table_;                // linear light of each stored code
     std::optional<Transfer> table_transfer_;  // the curve that table_ was made for
 };

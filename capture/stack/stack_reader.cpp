@@ -49,14 +49,36 @@ void lanczos_weights(double t, float (&w)[2 * kLanczos]) {
 
 }  // namespace
 
+BandMemory::Values BandMemory::take(std::size_t count) {
+    const std::lock_guard lock(mutex_);
+    const auto fits = std::ranges::find_if(free_, [&](const auto& block) { return block.first >= count; });
+    if (fits != free_.end()) {
+        Values values(fits->second.release(), GiveBack{weak_from_this(), fits->first});
+        free_.erase(fits);
+        return values;
+    }
+    free_.clear();             // of a size that nobody asks for any more
+    free_.reserve(++blocks_);  // so that giving back needs no memory
+    return {std::make_unique_for_overwrite<float[]>(count).release(), GiveBack{weak_from_this(), count}};
+}
+
+void BandMemory::GiveBack::operator()(float* values) const noexcept {
+    std::unique_ptr<float[]> owned(values);
+    const std::shared_ptr<BandMemory> there = memory.lock();
+    if (!there) return;
+    const std::lock_guard lock(there->mutex_);
+    there->free_.emplace_back(size, std::move(owned));
+}
+
 Band::Band(int photos, int channels, int width, int y0, int y1)
-    : photos_(photos),
-      channels_(channels),
-      width_(width),
-      y0_(y0),
-      y1_(y1),
-      values_(static_cast<std::size_t>(photos) * static_cast<std::size_t>(channels) *
-              static_cast<std::size_t>(y1 - y0) * static_cast<std::size_t>(width)) {}
+    : photos_(photos), channels_(channels), width_(width), y0_(y0), y1_(y1) {
+    values_.reset(std::make_unique<float[]>(size()).release());
+}
+
+Band::Band(int photos, int channels, int width, int y0, int y1, BandMemory& memory)
+    : photos_(photos), channels_(channels), width_(width), y0_(y0), y1_(y1) {
+    values_ = memory.take(size());
+}
 
 Band Band::moved(int rows) && {
     y0_ += rows, y1_ += rows;
@@ -269,7 +291,7 @@ Band StackReader::read(int y0, int y1, const Transfer& transfer) {
                               : table_[static_cast<std::size_t>(stored * scale + 0.5f)];
     };
     const int photos = static_cast<int>(files_.size());
-    Band band(photos, stack_.channels, stack_.width(), y0, y1);
+    Band band(photos, stack_.channels, stack_.width(), y0, y1, *memory_);
     parallel_for(0, photos, 1, [&](int begin, int end) {
         std::vector<float> stored;
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
