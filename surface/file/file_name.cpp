@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <climits>
 #include <functional>
-#include <string_view>
 #include <system_error>
 
+#include "surface/base/error.h"
 #include "surface/base/json_text.h"
+#include "surface/file/atomic_file.h"
 #include "surface/file/stale_temporaries.h"
 
 namespace tangi {
@@ -43,6 +44,36 @@ std::string told_of_length(const fs::path& file, std::size_t beside) {
     if (needed <= most) return {};
     const std::size_t less = characters_in_last(stem, needed - most);
     return fmt::format("the name is too long: make it {} character{} shorter", less, less == 1 ? "" : "s");
+}
+
+bool file_exists(const fs::path& file) {
+    std::error_code unknown;
+    return fs::exists(file, unknown);
+}
+
+fs::path beside_painting(const fs::path& painting, const std::string& ending) {
+    fs::path path = where_links_lead(painting);
+    if (path.extension() == ".exr") path.replace_extension();
+    return path += "." + ending;
+}
+
+fs::path free_name_beside(const fs::path& painting, std::string_view why, std::string_view extension) {
+    for (int i = 1;; ++i) {
+        const std::string number = i == 1 ? "" : fmt::format("-{}", i);
+        fs::path name = beside_painting(painting, fmt::format("{}{}.{}", why, number, extension));
+        if (!file_exists(name)) return name;
+    }
+}
+
+std::string put_aside(const fs::path& file, const fs::path& painting, std::string_view why,
+                      std::string_view extension) {
+    if (!file_exists(file)) return {};
+    const fs::path name = free_name_beside(painting, why, extension);
+    std::error_code failed;
+    fs::rename(file, name, failed);
+    if (failed)
+        fail("{}: cannot be renamed to {}: {}", file.string(), name.filename().string(), failed.message());
+    return name.filename().string();
 }
 
 std::string words_of(const fs::filesystem_error& error) {

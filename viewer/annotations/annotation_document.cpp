@@ -7,45 +7,15 @@
 
 #include "surface/base/error.h"
 #include "surface/file/atomic_file.h"
+#include "surface/file/file_name.h"
 
 namespace tangi {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-bool lies_there(const fs::path& file) {
-    std::error_code unknown;
-    return fs::exists(file, unknown);
-}
-
-// As the files of strokes have it (viewer/model/crash_recovery.h).
-fs::path beside_painting(const fs::path& painting, const char* ending) {
-    fs::path path = where_links_lead(painting);
-    if (path.extension() == ".exr") path.replace_extension();
-    return path += ending;
-}
-
-// Renames a file to x.annotations.WHY.json, or with a number behind WHY; its new name.
-std::string put_aside(const fs::path& file, const fs::path& saved, const char* why) {
-    for (int i = 1;; ++i) {
-        fs::path aside = saved;
-        aside.replace_extension(i == 1 ? fmt::format(".{}.json", why) : fmt::format(".{}-{}.json", why, i));
-        if (lies_there(aside)) continue;
-        std::error_code failed;
-        fs::rename(file, aside, failed);
-        if (failed)
-            fail("{}: cannot be renamed to {}: {}", file.string(), aside.filename().string(),
-                 failed.message());
-        return aside.filename().string();
-    }
-}
-
-}  // namespace
-
 AnnotationFiles annotation_files(const fs::path& painting) {
-    return {beside_painting(painting, ".annotations.json"),
-            beside_painting(painting, ".annotations.unsaved.json")};
+    return {painting, beside_painting(painting, "annotations.json"),
+            beside_painting(painting, "annotations.unsaved.json")};
 }
 
 AnnotationDocument::AnnotationDocument(const fs::path& painting, const AnnotatedPicture& picture,
@@ -61,7 +31,7 @@ AnnotationDocument::AnnotationDocument(const fs::path& painting, const Annotated
         is_bad_ = true;
         said_.emplace_back(error.what());
     }
-    if (only_looks_ || !lies_there(files_.unsaved)) return;
+    if (only_looks_ || !file_exists(files_.unsaved)) return;
     try {
         read_unsaved();
     } catch (const Error& error) {  // what cannot be read cannot be renamed, either
@@ -82,14 +52,16 @@ void AnnotationDocument::read_unsaved() {
             keep();  // a program that was killed between saving and removing it
     } catch (const Error& error) {
         said_.emplace_back(error.what());
-        said_.push_back(fmt::format("it is kept as {}", put_aside(files_.unsaved, files_.saved, "unread")));
+        said_.push_back(fmt::format(
+            "it is kept as {}", put_aside(files_.unsaved, files_.painting, "annotations.unread", "json")));
     }
 }
 
 // What lies where they are to be saved, and is not what was read or written last, gets another name.
 void AnnotationDocument::make_way(const char* why, const std::string& words) {
-    said_.push_back(fmt::format("{} {}, and is kept as {}", files_.saved.filename().string(), words,
-                                put_aside(files_.saved, files_.saved, why)));
+    said_.push_back(
+        fmt::format("{} {}, and is kept as {}", files_.saved.filename().string(), words,
+                    put_aside(files_.saved, files_.painting, fmt::format("annotations.{}", why), "json")));
 }
 
 void AnnotationDocument::save() {
@@ -115,7 +87,7 @@ void AnnotationDocument::save_beside(const fs::path& painting) {
         fs::remove(left.unsaved, stays);
     }
     kept_.clear();
-    if (lies_there(files_.saved)) make_way("other", "is of the painting that was there before");
+    if (file_exists(files_.saved)) make_way("other", "is of the painting that was there before");
     if (!list_.now().empty()) save();
 }
 

@@ -16,7 +16,7 @@
 namespace tangi {
 
 struct AnnotationFiles {
-    std::filesystem::path saved, unsaved;
+    std::filesystem::path painting, saved, unsaved;
 };
 AnnotationFiles annotation_files(const std::filesystem::path& painting);
 

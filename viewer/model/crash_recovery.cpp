@@ -6,46 +6,13 @@
 
 #include "paint/session/journal_file_text.h"
 #include "surface/base/error.h"
+#include "surface/file/file_name.h"
 
 namespace tangi {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-bool is_there(const fs::path& file) {
-    std::error_code unknown;
-    return fs::exists(file, unknown);
-}
-
-// Beside the painting's file, wherever links lead to it. Only .exr is rejected: x.EXR is another painting
-// than x.exr.
-fs::path beside(const fs::path& painting, const std::string& ending) {
-    fs::path path = where_links_lead(painting);
-    if (path.extension() == ".exr") path.replace_extension();
-    return path += ending;
-}
-
-// A name beside the painting that is free: x.discarded.jsonl, x.discarded-2.jsonl.
-fs::path free_name(const RecoveryFiles& files, std::string_view why) {
-    for (int i = 1;; ++i) {
-        fs::path kept = beside(files.painting,
-                               i == 1 ? fmt::format(".{}.jsonl", why) : fmt::format(".{}-{}.jsonl", why, i));
-        if (!is_there(kept)) return kept;
-    }
-}
-
-// The new name; empty where there was nothing.
-std::string put_aside(const RecoveryFiles& files, std::string_view why) {
-    if (!is_there(files.unsaved)) return {};
-    const fs::path kept = free_name(files, why);
-    std::error_code failed;
-    fs::rename(files.unsaved, kept, failed);
-    if (failed)
-        fail("{}: cannot be renamed to {}: {}", files.unsaved.string(), kept.filename().string(),
-             failed.message());
-    return kept.filename().string();
-}
 
 // Where it cannot be removed, its strokes are offered when the painting is opened again: nothing is lost.
 void remove_if_possible(const fs::path& file) {
@@ -76,17 +43,18 @@ void add_file(OutputSet& set, RecoveryRecord::Files& files, const fs::path& path
 // What is at `from` stays, under a name that is free.
 void add_kept(OutputSet& set, RecoveryRecord::Files& files, const RecoveryFiles& beside, const fs::path& from,
               std::string_view why) {
-    add_file(set, files, free_name(beside, why), [&](AtomicFile& file) { file.copy_from(from); });
+    add_file(set, files, free_name_beside(beside.painting, why, "jsonl"),
+             [&](AtomicFile& file) { file.copy_from(from); });
 }
 
 }  // namespace
 
 RecoveryFiles recovery_files(const fs::path& painting) {
-    return {painting, beside(painting, ".unsaved.jsonl"), beside(painting, ".strokes.jsonl")};
+    return {painting, beside_painting(painting, "unsaved.jsonl"), beside_painting(painting, "strokes.jsonl")};
 }
 
 std::optional<Journal> left_over(const RecoveryFiles& files) {
-    if (!is_there(files.unsaved)) return {};
+    if (!file_exists(files.unsaved)) return {};
     Journal journal = recovered_journal(files.unsaved);
     if (journal.entries.empty() && journal.lines_lost > 0)
         fail("{}:{}: {}", journal.source, journal.warnings.front().line, journal.warnings.front().text);
@@ -149,7 +117,8 @@ void RecoveryRecord::put_older_away() {
         return;
     }
     const bool of_another = older && !is_of(*older, on_);
-    const std::string kept = put_aside(files_, of_another ? "other" : "unread");
+    const std::string kept =
+        put_aside(files_.unsaved, files_.painting, of_another ? "other" : "unread", "jsonl");
     note_ = fmt::format(
         "{}: {}; it is kept as {}", files_.unsaved.filename().string(),
         of_another ? "holds strokes of another painting than lies here now" : "was not recovered", kept);
@@ -172,7 +141,7 @@ void RecoveryRecord::take_over(std::span<const Journal::Entry> events, bool all_
 // be read, or is not there.
 std::string RecoveryRecord::record_so_far(JournalHead& head) const {
     head = {on_, {}};
-    if (!is_there(files_.record)) return {};
+    if (!file_exists(files_.record)) return {};
     std::string text = read_text_file(files_.record);
     if (text.find('\n') == std::string::npos)  // as on old Macs
         std::ranges::replace(text, '\r', '\n');
@@ -203,7 +172,7 @@ RecoveryRecord::Files RecoveryRecord::add_to(OutputSet& set, const RecoveryFiles
     if (in_place && lines_.empty()) return files;
     JournalHead head;
     const std::string so_far = record_so_far(head);
-    if (in_place && is_there(files_.record) && so_far.empty() && head.makes.empty() && head.on == on_)
+    if (in_place && file_exists(files_.record) && so_far.empty() && head.makes.empty() && head.on == on_)
         add_kept(set, files, to, files_.record, "other-strokes");
     head.makes = makes;
     if (so_far.empty() && lines_.empty())
@@ -239,7 +208,7 @@ void RecoveryRecord::forget() {
 
 void RecoveryRecord::discard() {
     forget();
-    (void)put_aside(files_, "discarded");
+    (void)put_aside(files_.unsaved, files_.painting, "discarded", "jsonl");
 }
 
 }  // namespace tangi

@@ -29,17 +29,19 @@ protected:
         write_painting(painting_, small_painting());
     }
 
-    void start(const std::vector<std::string>& further = {}) {
+    void start(const std::vector<std::string>& further = {}) { program_ = window_on(*screen_, further); }
+    // A window of the painting, as it is when it shows it.
+    std::unique_ptr<Program> window_on(Screen& screen, const std::vector<std::string>& further = {}) const {
         std::vector<std::string> words = {"paint", painting_.string(), "--size",
                                           fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)};
         words.insert(words.end(), further.begin(), further.end());
-        program_ = std::make_unique<Program>(words, screen_->conditions());
+        auto program = std::make_unique<Program>(words, screen.conditions());
         const bool shown = Screen::until([&] {
-            const auto p = screen_->picture();
-            return !program_->running() || glm::length(p(kMiddleX, kMiddleY)) > 0.3f;
+            return !program->running() || glm::length(screen.picture()(kMiddleX, kMiddleY)) > 0.3f;
         });
-        ASSERT_TRUE(shown && program_->running()) << program_->wait().err;
-        screen_->settled();
+        EXPECT_TRUE(shown && program->running()) << program->wait().err;
+        screen.settled();
+        return program;
     }
     // All of it comes while the window is held still: for it, that is one very slow frame.
     void in_one_frame(const std::vector<std::string>& words) {

@@ -247,18 +247,12 @@ TEST_F(AnnotationWindow, ASecondWindowLooksOnly) {
     const std::string unsaved = bytes_of(unsaved_);
     const auto other_screen = Screen::open();
     ASSERT_TRUE(other_screen);
-    Program second(
-        {"paint", painting_.string(), "--size", fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)},
-        other_screen->conditions());
-    ASSERT_TRUE(Screen::until([&] {
-        return !second.running() || glm::length(other_screen->picture()(kMiddleX, kMiddleY)) > 0.3f;
-    }));
-    other_screen->settled();
+    const auto second = window_on(*other_screen);
     const auto [x, y] = at(70, 80);
     other_screen->x({"key", "a", "mousemove", std::to_string(x), std::to_string(y), "click", "1"});
     other_screen->settled();
     other_screen->key("ctrl+q");
-    EXPECT_EQ(second.wait().code, 0) << "nothing is asked";
+    EXPECT_EQ(second->wait().code, 0) << "nothing is asked";
     EXPECT_EQ(bytes_of(unsaved_), unsaved);
     EXPECT_EQ(in_file(saved_).size(), 1u);
     save();

@@ -41,19 +41,13 @@ TEST_F(Window, ASecondWindowLeavesTheSittingOfTheFirstAlone) {
     EXPECT_FALSE(journal.empty());
     const auto other_screen = Screen::open();
     ASSERT_TRUE(other_screen);
-    Program second(
-        {"paint", painting_.string(), "--size", fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)},
-        other_screen->conditions());
-    ASSERT_TRUE(Screen::until([&] {
-        return !second.running() || glm::length(other_screen->picture()(kMiddleX, kMiddleY)) > 0.3f;
-    }));
-    other_screen->settled();
+    const auto second = window_on(*other_screen);
     other_screen->key("Return");  // would recover
     other_screen->key("b");
     other_screen->drag(1, {kMiddleX - 150, kMiddleY - 60}, {kMiddleX + 130, kMiddleY - 20});
     other_screen->settled();
     other_screen->key("ctrl+q");
-    const auto result = second.wait().json();
+    const auto result = second->wait().json();
     EXPECT_EQ(result["strokes"], 0);
     EXPECT_EQ(result["unsaved"], false);
     EXPECT_EQ(bytes_of(unsaved), journal);
