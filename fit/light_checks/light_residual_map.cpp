@@ -38,6 +38,17 @@ Image<float> LightMisfit::map(std::size_t photo, int longest) const {
     return picture;
 }
 
+namespace {
+
+double best_explained(const std::vector<WardEstimate>& estimates) {
+    std::vector<double> residuals;
+    for (const WardEstimate& e : estimates)
+        if (e.valid) residuals.push_back(e.rms_residual);
+    return quantile_of(std::move(residuals), 10);
+}
+
+}  // namespace
+
 LightMisfit light_misfit(const SurveyedStack& surveyed, const Lighting& lighting, const WardFitOptions& ward,
                          const ReflectanceModel& reflectance_model, int wanted) {
     const Stack& stack = surveyed.stack;
@@ -45,7 +56,7 @@ LightMisfit light_misfit(const SurveyedStack& surveyed, const Lighting& lighting
     std::vector<int> photos(stack.photos.size());
     std::iota(photos.begin(), photos.end(), 0);
     const std::vector<WardEstimate> estimates = sample.fit(photos, lighting, reflectance_model);
-    LightMisfit misfit{stack.width(), stack.height(), {}, {}};
+    LightMisfit misfit{stack.width(), stack.height(), best_explained(estimates), {}, {}};
     for (int k = 0; k < sample.size(); ++k) misfit.places.push_back(sample.place_px(k));
     for (const int photo : photos) {
         const Lighting one{

@@ -115,7 +115,6 @@ struct FitReport {
     double anisotropic = 0;        // [1] part of them whose lobe is anisotropic
     double median_confidence = 0;  // [1] of the fitted pixels
     double median_rms_residual = 0;  // [sigma] robust; about 1 where noise and model error are as assumed
-    double best_rms_residual = 0;    // [sigma] that the best explained tenth of the pixels is below
     double support_tilt_deg =
         0;  // [deg] of the plane taken off the height: doubtful light directions show here
     // [deg] By how much the normals turn outwards from the middle of the picture to its corners, as on a

@@ -330,7 +330,6 @@ void summarise(const PassCounts& counts, const FitOptions& options, FitResult& r
     for (std::size_t i = 0; i < surface.height_mm.size(); i += rms_step(surface))
         if (surface.confidence.pixels()[i] > 0) confidences.push_back(surface.confidence.pixels()[i]);
     report.median_rms_residual = median(counts.rms_residuals);
-    report.best_rms_residual = quantile_of(counts.rms_residuals, 10);
     const auto unsure =
         std::count_if(confidences.begin(), confidences.end(), [](float c) { return c < 0.5f; });
     report.unsure =

@@ -51,7 +51,7 @@ public:
            FitResult& result, const Progress& progress)
         : input_(input),
           mask_(mask),
-          options_(options),
+          options_(options_of_first(result.report, options)),
           result_(result),
           surface_(result.surface),
           report_(result.report),
@@ -87,7 +87,7 @@ private:
 
     const CalibratedStack& input_;
     const Image<unsigned char>& mask_;
-    const FitOptions& options_;
+    const FitOptions options_;
     FitResult& result_;
     Surface& surface_;
     FitReport& report_;

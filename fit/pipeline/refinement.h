@@ -42,7 +42,8 @@ private:
 // photographs, become like those of an empty surface.
 void settle_refined(bool forgets, const Lighting& lighting, LightVisibility& lights, Surface& surface);
 
-// Those of a second pass, by what the first one found.
+// Those of a first pass, and of a second one, by what was found before.
+FitOptions options_of_first(const FitReport& report, FitOptions options);
 FitOptions options_after(const FitReport& first, FitOptions options);
 
 }  // namespace tangi

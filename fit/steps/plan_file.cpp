@@ -92,7 +92,7 @@ json first_of(const FitPlan& plan) {
             {"height", plan.first.result.surface.height()},
             {"plane", {plane.a, plane.b, plane.c}},
             {"median_residual_sigma", report.median_rms_residual},
-            {"best_residual_sigma", report.best_rms_residual},
+            {"best_residual_sigma", report.misfit.best_explained},
             {"specular_colour_pixels", report.coloured},
             {"anisotropic_pixels", report.anisotropic}};
 }
@@ -140,7 +140,7 @@ FirstFit first_from(const json& j, const json& painting, const Surface& describe
     FitReport& report = first.result.report;
     report.refined = true;
     report.median_rms_residual = j.at("median_residual_sigma");
-    report.best_rms_residual = j.at("best_residual_sigma");
+    report.misfit.best_explained = j.at("best_residual_sigma");
     report.coloured = j.at("specular_colour_pixels");
     report.anisotropic = j.at("anisotropic_pixels");
     report.colour.by_profile = painting.at("colour_by_profile");
