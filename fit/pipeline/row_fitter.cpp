@@ -17,6 +17,7 @@ static_assert(kWardLanes == kMarchLanes);
 // half, many enough that registers are full nearly all the time.
 constexpr int kPixelsAtOnce = 8192;
 constexpr double kSampleSize = 512;
+constexpr float kHidden = 0.5f;  // [1] part of a light that reaches a pixel: less is mostly in shadow
 // A crevice that few lights reach: what the brightest photographs show, and what is not much darker. With the
 // usual fifth as highlights, one of which less than a fifth is lit is lost (generated deep relief: 31.7 dB
 // instead of 32.9, when this was tried in both passes).
@@ -37,6 +38,26 @@ std::optional<WardStart> start_in_shade(Shade shade, int x, int y, const Surface
     }
     const LambertEstimate lit = photometric_stereo(samples, kLitStereo);
     return lit.valid ? std::optional(start_of(lit)) : std::nullopt;
+}
+
+// The cheapest. Others are as probable beside it as their costs say, in units of what residuals are: the
+// slope's variance is that of them all.
+WardSolution best_of(const WardSolution& own, const std::vector<WardSolution>& tried) {
+    WardSolution best = own;
+    for (const WardSolution& other : tried)
+        if (other.valid && !other.doubtful && (!best.valid || other.cost < best.cost)) best = other;
+    float weights = 1, squares = 0;
+    const auto add = [&](const WardSolution& other) {
+        if (!other.valid || other.doubtful || !(other.cost > best.cost)) return;
+        const float weight = std::exp((best.cost - other.cost) / (2 * std::max(best.chi2, 1.0f)));
+        const float dx = other.theta[0] - best.theta[0], dy = other.theta[1] - best.theta[1];
+        weights += weight;
+        squares += weight * (dx * dx + dy * dy) / 2;
+    };
+    add(own);
+    for (const WardSolution& other : tried) add(other);
+    best.slope_error = std::hypot(best.slope_error, std::sqrt(squares / weights));
+    return best;
 }
 
 }  // namespace
@@ -99,12 +120,17 @@ WardPrior RowFitter::prior_at(int x, int y, const PixelKnowledge& known) const {
     return is_occluded(x, y, known) ? of_its_own(prior) : prior;
 }
 
+bool RowFitter::may_be_shaded(int x, int y, bool explained, bool shaded, const PixelKnowledge& known) const {
+    return (in_shade_ && (!explained || shaded)) || is_occluded(x, y, known);
+}
+
 WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& surface,
                                  const PixelKnowledge& known) {
     PixelSamples& samples = white_samples_at(band, x, y, surface, known);
     WardEstimate best = ceres_.fit(samples, prior_at(x, y, known));
-    const bool in_doubt =
-        (in_shade_ && (!best.valid || best.rms_residual > kPoorFit)) || is_occluded(x, y, known);
+    const bool explained = best.valid && best.rms_residual <= kPoorFit;
+    const bool shaded = std::ranges::any_of(samples.visible, [](double part) { return part < kHidden; });
+    const bool in_doubt = may_be_shaded(x, y, explained, shaded, known);
     const WardPrior prior = known.prior ? known.prior(x, y) : prior_;
     for (const Shade shade : {Shade::lit, Shade::around}) {
         if (!in_doubt) break;
@@ -122,7 +148,7 @@ WardEstimate RowFitter::by_ceres(const Band& band, int x, int y, const Surface& 
 
 // What the relief leaves of the lights on the lanes of the batch. Most lights are above any horizon, which is
 // cheap to see.
-void RowFitter::shade(const CastShadows& shadows, const glm::ivec2& first, int count) {
+void RowFitter::shade(const CastShadows& shadows, const glm::ivec2& first, int count, int first_name) {
     WardLane steepest;
     for (int lane = 0; lane < count; ++lane)
         steepest[lane] = shadows.steepest_horizon(first.x + lane, first.y);
@@ -133,9 +159,12 @@ void RowFitter::shade(const CastShadows& shadows, const glm::ivec2& first, int c
             const float across = std::sqrt(lx[lane] * lx[lane] + ly[lane] * ly[lane]);
             doubtful |= std::uint32_t{!shadows.clears(steepest[lane], across, lz[lane])} << lane;
         }
-        if (doubtful != 0)
-            shadows.visible_parts(first.x, first.y, {lx.data(), ly.data(), lz.data()}, doubtful,
-                                  batch_.visible[i].data());
+        if (doubtful == 0) continue;
+        shadows.visible_parts(first.x, first.y, {lx.data(), ly.data(), lz.data()}, doubtful,
+                              batch_.visible[i].data());
+        for (int lane = 0; lane < count; ++lane)
+            if (batch_.visible[i][lane] < kHidden)
+                shaded_[static_cast<std::size_t>(first_name + lane)] = true;
     }
 }
 
@@ -173,7 +202,7 @@ void RowFitter::start_row(const Band& band, int y, int first_name, const Image<u
             if (known.specular_colour)
                 divide_lane_by_specular_colour(known.specular_colour(x0 + lane, y), lane);
         }
-        if (known.shadows) shade(*known.shadows, in_painting(surface, x0, y), count);
+        if (known.shadows) shade(*known.shadows, in_painting(surface, x0, y), count, first_name + x0);
         batches_.fit(batch_);
     }
 }
@@ -235,23 +264,28 @@ void RowFitter::fit_by_highlight(const Band& band, int first, const Surface& sur
     }
 }
 
-// Those that explain little, or are much darker than what is around them: as crevices, whose dark photographs
-// are hidden, where that explains more.
+// Those that explain little, that relief hides some light from, or that are much darker than what is around
+// them: as crevices, whose dark photographs are hidden, where that explains more. What explains nearly as
+// much counts in the slope's error.
 void RowFitter::fit_in_shade(const Band& band, int first, const RowTask& task,
                              std::vector<WardSolution>& solutions) {
     const Surface& surface = task.surface;
     const PixelKnowledge& known = task.known;
     constexpr auto poor = static_cast<float>(kPoorFit * kPoorFit);
     const int width = band.width();
-    const std::vector<WardSolution> as_they_are = solutions;
+    std::vector<std::vector<WardSolution>> tried(solutions.size());
+    const auto in_doubt = [&](int name) {
+        const int x = name % width, y = first + name / width;
+        const WardSolution& solution = solutions[static_cast<std::size_t>(name)];
+        if (!task.mask.empty() && !task.mask(x, y)) return false;
+        const bool explained = solution.valid && solution.chi2 <= poor;
+        return may_be_shaded(x, y, explained, shaded_[static_cast<std::size_t>(name)], known);
+    };
     for (const Shade shade : {Shade::lit, Shade::around}) {
         std::vector<float> unexplained;
         const auto names = fit_again(band, solutions.size(), [&](int name) -> std::optional<Offer> {
+            if (!in_doubt(name)) return {};
             const int x = name % width, y = first + name / width;
-            const WardSolution& solution = as_they_are[static_cast<std::size_t>(name)];
-            if (!task.mask.empty() && !task.mask(x, y)) return {};
-            const bool in_doubt = in_shade_ && (!solution.valid || solution.chi2 > poor);
-            if (!in_doubt && !is_occluded(x, y, known)) return {};
             PixelSamples& samples = white_samples_at(band, x, y, surface, known);
             const auto start = start_in_shade(shade, x, y, surface, known, samples);
             if (!start) return {};
@@ -259,13 +293,13 @@ void RowFitter::fit_in_shade(const Band& band, int first, const RowTask& task,
             return Offer{&samples, known.prior ? known.prior(x, y) : prior_, *start};
         });
         for (std::size_t i = 0; i < names.size(); ++i) {
-            WardSolution other = again_.solutions()[static_cast<std::size_t>(names[i])];
-            WardSolution& solution = solutions[static_cast<std::size_t>(names[i])];
-            other.cost += unexplained[i];
-            if (other.valid && !other.doubtful && (!solution.valid || other.cost < solution.cost))
-                solution = other;
+            tried[static_cast<std::size_t>(names[i])].push_back(
+                again_.solutions()[static_cast<std::size_t>(names[i])]);
+            tried[static_cast<std::size_t>(names[i])].back().cost += unexplained[i];
         }
     }
+    for (std::size_t i = 0; i < solutions.size(); ++i)
+        if (!tried[i].empty()) solutions[i] = best_of(solutions[i], tried[i]);
 }
 
 void RowFitter::judge(const Band& band, int x, int y, const RowTask& task, const WardSolution& solution,
@@ -320,6 +354,7 @@ void RowFitter::fit_in_batches(const Band& band, int y0, int y1, const RowTask& 
     for (int first = y0; first < y1; first += rows) {
         const int last = std::min(first + rows, y1);
         batches_.start((last - first) * width);
+        shaded_.assign(static_cast<std::size_t>((last - first) * width), false);
         for (int y = first; y < last; ++y) start_row(band, y, (y - first) * width, task.mask, surface, known);
         batches_.finish();
         std::vector<WardSolution> solutions(batches_.solutions());

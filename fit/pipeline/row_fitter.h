@@ -87,7 +87,7 @@ private:
                    const Surface& surface, const PixelKnowledge& known);
     void look_at_row(const Band& band, int y, const Surface& surface, const PixelKnowledge& known);
     void divide_lane_by_specular_colour(const Rgb& colour, int lane);
-    void shade(const CastShadows& shadows, const glm::ivec2& first, int count);
+    void shade(const CastShadows& shadows, const glm::ivec2& first, int count, int first_name);
     // Takes Ceres' estimate where the batches' is in doubt and dearer; counts how both compare.
     void judge(const Band& band, int x, int y, const RowTask& task, const WardSolution& solution,
                WardEstimate& estimate);
@@ -105,6 +105,8 @@ private:
                                const std::function<std::optional<Offer>(int name)>& offer);
     void fit_by_highlight(const Band& band, int first, const Surface& surface, const PixelKnowledge& known,
                           std::vector<WardSolution>& solutions);
+    // Whether a pixel may lie in more shade than its fit takes.
+    bool may_be_shaded(int x, int y, bool explained, bool shaded, const PixelKnowledge& known) const;
     void fit_in_shade(const Band& band, int first, const RowTask& task, std::vector<WardSolution>& solutions);
 
     Solver solver_;
@@ -115,6 +117,7 @@ private:
     WardBatchFitter batches_, again_;
     WardBatch batch_, other_batch_;
     bool highlights_, in_shade_;
+    std::vector<bool> shaded_;  // of pixels as batches name them: relief that is known hides some light
     WardBounds bounds_;
     PixelSamples samples_;
     WardPrior prior_;

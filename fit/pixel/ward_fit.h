@@ -18,7 +18,7 @@ struct WardFitOptions {
     double model_error = 0.05;  // [1] relative deviation of real surfaces from the model
     double robust_scale = 3;    // [sigma] residual from which a sample counts less and less (Cauchy)
     bool by_highlight = true;   // pixels that are explained poorly are fitted from their highlight, too,
-    bool in_shade = false;      // and as crevices that few lights reach (occluded_pixels.h)
+    bool in_shade = false;      // these and shaded ones also as crevices that few lights reach
     ReflectanceModel reflectance_model = {};
     WardBounds bounds = {};
     WardPrior prior = {};
