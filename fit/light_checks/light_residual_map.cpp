@@ -56,7 +56,7 @@ LightMisfit light_misfit(const SurveyedStack& surveyed, const Lighting& lighting
     std::vector<int> photos(stack.photos.size());
     std::iota(photos.begin(), photos.end(), 0);
     const std::vector<WardEstimate> estimates = sample.fit(photos, lighting, reflectance_model);
-    LightMisfit misfit{stack.width(), stack.height(), best_explained(estimates), {}, {}};
+    LightMisfit misfit{stack.width(), stack.height(), {}, {}, best_explained(estimates)};
     for (int k = 0; k < sample.size(); ++k) misfit.places.push_back(sample.place_px(k));
     for (const int photo : photos) {
         const Lighting one{

@@ -12,11 +12,11 @@ namespace tangi {
 
 struct LightMisfit {
     int width = 0, height = 0;      // of the picture
-    double best_explained = 0;      // [sigma] robust residual that the best tenth of the sample is below
     std::vector<glm::vec2> places;  // [pixels] of the sample
     // [1] ln(measured / predicted) of green, or grey, one row a photograph; NaN where clipped, hardly lit or
     // not measurable.
     std::vector<std::vector<float>> log_ratios;
+    double best_explained = 0;  // [sigma] robust residual that the best tenth of the sample is below
 
     // [1] of one photograph: median, and median absolute deviation from it times 1.4826; 0 where nothing is
     // known.
