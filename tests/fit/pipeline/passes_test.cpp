@@ -23,9 +23,8 @@ TEST(FitPasses, SayByHowMuchPhotographsDiffer) {
     EXPECT_EQ(beyond_expected(2.34), "2.3 times what is expected (in the median)");
 }
 
-// Most pixels are in shadow of some light, which the first pass does not know: it explains them badly, and is
-// believed all the same, since its height casts the shadows that the photographs show, however much light
-// reaches them from all around.
+// Most pixels are in shadow of some light, of which the first pass only knows what each pixel shows by itself:
+// its height casts the shadows that the photographs show, however much light reaches them from all around.
 TP_LONG TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
     for (const double ambient : {0.0, 0.06}) {
         const TestDir folder;
@@ -41,8 +40,7 @@ TP_LONG TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
         const FitResult once = fitted(false), twice = fitted(true);
         EXPECT_FALSE(once.report.refined);
         EXPECT_TRUE(twice.report.refined);
-        EXPECT_GT(once.report.median_rms_residual, 1);
-        EXPECT_LT(twice.report.median_rms_residual, 0.7 * once.report.median_rms_residual);
+        EXPECT_LT(twice.report.median_rms_residual, 0.75 * once.report.median_rms_residual);
         const double before = held_out_psnr_db(once.surface, folder.path(), generator.transfer),
                      after = held_out_psnr_db(twice.surface, folder.path(), generator.transfer),
                      error_before = mean_normal_error_deg(once.surface, truth),
@@ -65,7 +63,7 @@ TP_LONG TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
     }
 }
 
-// Gold under few lights is explained badly by a pass that asks no neighbours.
+// Gold under few lights is predicted badly by a pass that asks no neighbours.
 TP_LONG TEST(FitPasses, MetalUnderFewLightsIsRefined) {
     const TestDir folder;
     const PaintingTruth truth = procedural_painting(
@@ -82,7 +80,6 @@ TP_LONG TEST(FitPasses, MetalUnderFewLightsIsRefined) {
                             {.white_level = generator.white_level, .mm_per_pixel = 0.2, .refine = refine});
     };
     const FitResult once = fitted(false), twice = fitted(true);
-    EXPECT_GT(once.report.median_rms_residual, 1);
     EXPECT_TRUE(twice.report.refined);
     const double before = held_out_psnr_db(once.surface, folder.path(), srgb),
                  after = held_out_psnr_db(twice.surface, folder.path(), srgb);
