@@ -23,8 +23,9 @@ TEST(FitPasses, SayByHowMuchPhotographsDiffer) {
     EXPECT_EQ(beyond_expected(2.34), "2.3 times what is expected (in the median)");
 }
 
-// Most pixels are in shadow of some light, of which the first pass only knows what each pixel shows by itself:
-// its height casts the shadows that the photographs show, however much light reaches them from all around.
+// Most pixels are in shadow of some light, of which the first pass only knows what each pixel shows by
+// itself: its height casts the shadows that the photographs show, however much light reaches them from all
+// around.
 TP_LONG TEST(FitPasses, HeavyImpastoIsRefinedByTheShadowsItCasts) {
     for (const double ambient : {0.0, 0.06}) {
         const TestDir folder;

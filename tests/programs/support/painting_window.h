@@ -36,9 +36,8 @@ protected:
                                           fmt::format("{}x{}", Screen::kWidth, Screen::kHeight)};
         words.insert(words.end(), further.begin(), further.end());
         auto program = std::make_unique<Program>(words, screen.conditions());
-        const bool shown = Screen::until([&] {
-            return !program->running() || glm::length(screen.picture()(kMiddleX, kMiddleY)) > 0.3f;
-        });
+        const bool shown = Screen::until(
+            [&] { return !program->running() || glm::length(screen.picture()(kMiddleX, kMiddleY)) > 0.3f; });
         EXPECT_TRUE(shown && program->running()) << program->wait().err;
         screen.settled();
         return program;
