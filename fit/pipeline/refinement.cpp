@@ -31,7 +31,7 @@ FitOptions options_of_first(const FitReport& report, FitOptions options) {
 FitOptions options_after(const FitReport& first, FitOptions options) {
     const double scale = std::max(2.385 * first.median_rms_residual, 2.0);
     options.ward.robust_scale = std::min(scale, options.ward.robust_scale);
-    return options_of_first(first, std::move(options));
+    return options_of_first(first, options);
 }
 
 Image<float> enlarged_height(const FirstFit& first, int width, int height) {
